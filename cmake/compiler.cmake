@@ -1,0 +1,19 @@
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+
+# NaN means "missing", so nothing that assumes finite numbers may ever be switched on. The two flags below keep
+# NaN, infinity and signed zero exact; they only drop errno and trapping, which nobody here reads.
+add_library(micro_flags INTERFACE)
+target_compile_options(micro_flags INTERFACE -fno-math-errno -fno-trapping-math)
+
+add_library(micro_warnings INTERFACE)
+target_compile_options(micro_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion)
+option(MICRO_WARNINGS_ARE_ERRORS "Stop at the first warning" OFF)
+if(MICRO_WARNINGS_ARE_ERRORS)
+  target_compile_options(micro_warnings INTERFACE -Werror)
+endif()

@@ -1,0 +1,13 @@
+# Every library microbrdf stands on; docs/dependencies.md says why each one.
+find_package(PkgConfig REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(HDF5 REQUIRED COMPONENTS C)
+find_package(OpenEXR REQUIRED CONFIG)
+find_package(PNG REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+pkg_check_modules(FFTW REQUIRED IMPORTED_TARGET fftw3)
+pkg_check_modules(FFTWF REQUIRED IMPORTED_TARGET fftw3f)
+pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
+find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "core/grid.h"
+
+namespace micro {
+
+/// The square grid that holds the hemisphere projected onto the unit disk: size × size nodes, node (j, i) at
+/// m_xy = ((i−c)/c, (j−c)/c)·extent, c = (size−1)/2, m_z = √(1−|m_xy|²). extent ≤ 1 zooms in on narrow lobes.
+struct DiskGrid {
+  int size = 1025;
+  double extent = 1;
+
+  double centre() const { return (size - 1) / 2.0; }
+  /// Distance between nodes, in units of m_xy.
+  double spacing() const { return extent / centre(); }
+  /// m_x of column i, or m_y of row i.
+  double coordinate(Eigen::Index i) const { return (static_cast<double>(i) - centre()) * spacing(); }
+  /// m_z² of node (j, i); the disk is where it is positive.
+  double mz2(Eigen::Index j, Eigen::Index i) const {
+    const double x = coordinate(i), y = coordinate(j);
+    return 1 - x * x - y * y;
+  }
+  bool operator==(const DiskGrid&) const = default;
+};
+
+/// A normal distribution tabulated on a DiskGrid, in 1/sr; zero outside the disk.
+struct DiskTable {
+  DiskGrid grid;
+  Grid<double> density;  ///< [size, size] 1/sr, row j along m_y, column i along m_x
+};
+
+/// An empty (all zero) table. Throws InputError unless size is odd and ≥ 3 and 0 < extent ≤ 1.
+DiskTable make_disk_table(const DiskGrid& grid);
+
+/// ∫ D m_z dω over the table: since m_z dω = dm_x dm_y it is ΣD·spacing².
+double normalization(const DiskTable& table);
+
+}  // namespace micro

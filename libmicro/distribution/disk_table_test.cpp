@@ -1,0 +1,38 @@
+#include "distribution/disk_table.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace micro {
+namespace {
+
+TEST(DiskTable, NodesStandWhereTheConventionSays) {
+  const DiskGrid grid{1025, 1};
+  EXPECT_DOUBLE_EQ(grid.coordinate(0), -1);
+  EXPECT_DOUBLE_EQ(grid.coordinate(512), 0);
+  EXPECT_DOUBLE_EQ(grid.coordinate(1024), 1);
+  int inside = 0;
+  for (int j = 0; j < 1025; ++j)
+    for (int i = 0; i < 1025; ++i)
+      inside += grid.mz2(j, i) > 0;
+  EXPECT_EQ(inside, 823469);
+}
+
+TEST(DiskTable, ConstantOverPiIsNormalised) {
+  DiskTable table = make_disk_table({1025, 1});
+  for (int j = 0; j < 1025; ++j)
+    for (int i = 0; i < 1025; ++i)
+      if (table.grid.mz2(j, i) > 0) table.density(j, i) = 1 / 3.14159265358979;
+  EXPECT_NEAR(normalization(table), 1, 1e-4);  // the staircase rim of the disk
+}
+
+TEST(DiskTable, RefusesSizesThatHaveNoCentre) {
+  EXPECT_THROW(make_disk_table({1024, 1}), InputError);
+  EXPECT_THROW(make_disk_table({1, 1}), InputError);
+  EXPECT_THROW(make_disk_table({1025, 0}), InputError);
+  EXPECT_THROW(make_disk_table({1025, 1.5}), InputError);
+}
+
+}  // namespace
+}  // namespace micro

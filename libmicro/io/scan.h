@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "height/height_field.h"
+
+namespace micro {
+
+/// A file as the recogniser sees it: its name (for messages only, never for recognition), its size and its
+/// first bytes.
+struct FileHead {
+  const std::filesystem::path& path;
+  std::uintmax_t size;
+  std::span<const std::byte> bytes;  ///< at most kHeadBytes
+};
+constexpr std::size_t kHeadBytes = 4096;
+
+/// What a file cannot say about itself and the user has to.
+struct ReadOptions {
+  std::optional<double> pitch_x;  ///< µm, for formats without a lateral scale (.npy, plain text)
+  std::optional<double> pitch_y;  ///< µm; like pitch_x when absent
+};
+
+/// One readable format. `recognise` looks at content alone; `read` throws FileError, naming the file and the
+/// fact.
+struct ScanFormat {
+  std::string_view name;         ///< short name in tables and results, e.g. "zygo-dat"
+  std::string_view description;  ///< what a user calls it
+  enum class Listed {
+    WhenFound,
+    WhenNamed
+  } listed;  ///< taken from a directory, or only when its file is named
+  bool (*recognise)(const FileHead& head);
+  HeightField (*read)(const std::filesystem::path& path, const ReadOptions& options);
+};
+
+/// The one visible table of formats, in order of recognition.
+std::span<const ScanFormat> scan_formats();
+
+/// The format of a file by its content, or nullptr.
+/// Throws FileError if the file cannot be opened.
+const ScanFormat* recognise_scan(const std::filesystem::path& path);
+
+/// A scan and where it came from.
+struct Scan {
+  HeightField surface;
+  std::filesystem::path path;
+  std::string_view format;
+};
+
+/// Recognises and reads one file. Throws FileError if it is no known scan or is broken.
+Scan read_scan(const std::filesystem::path& path, const ReadOptions& options = {});
+
+}  // namespace micro

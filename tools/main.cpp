@@ -1,0 +1,57 @@
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "pipelines/version.h"
+#include "tools/commands.h"
+
+namespace {
+
+using micro::tools::AddCommand;
+
+struct Command {
+  const char* name;
+  const char* description;
+  AddCommand add;
+};
+
+/// Every subcommand, in the order of `microbrdf --help`.
+constexpr std::array<Command, 0> kCommands = {};
+
+int fail(const std::string& message, int code) {
+  std::fprintf(stderr, "microbrdf: %s\n", message.c_str());
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace micro::tools;
+  CLI::App app("microbrdf: from measured rough metal surfaces to how they look");
+  app.set_version_flag("--version", "microbrdf " + std::string(micro::version()));
+  app.require_subcommand(1);
+  std::vector<std::pair<CLI::App*, Run>> commands;
+  for (const Command& command : kCommands) {
+    CLI::App* subcommand = app.add_subcommand(command.name, command.description);
+    commands.emplace_back(subcommand, command.add(*subcommand));
+  }
+  try {
+    app.parse(argc, argv);
+    for (const auto& [subcommand, run] : commands)
+      if (subcommand->parsed()) return run();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kUsage;
+  } catch (const micro::InputError& error) {
+    return fail(error.what(), kNothing);
+  } catch (const std::bad_alloc&) {
+    return fail("not enough memory for this request", kNothing);
+  } catch (const std::exception& error) {
+    return fail(error.what(), kNothing);
+  }
+  return kUsage;
+}
