@@ -21,7 +21,9 @@ struct Command {
 };
 
 /// Every subcommand, in the order of `microbrdf --help`.
-constexpr std::array<Command, 0> kCommands = {};
+constexpr std::array kCommands = {
+    Command{"convert", "Write a scan in another format", micro::tools::add_convert},
+};
 
 int fail(const std::string& message, int code) {
   std::fprintf(stderr, "microbrdf: %s\n", message.c_str());
