@@ -22,7 +22,9 @@ struct Command {
 
 /// Every subcommand, in the order of `microbrdf --help`.
 constexpr std::array kCommands = {
+    Command{"info", "Size, missing points and ISO 25178 parameters of scans", micro::tools::add_info},
     Command{"convert", "Write a scan in another format", micro::tools::add_convert},
+    Command{"synth", "Make a synthetic surface", micro::tools::add_synth},
 };
 
 int fail(const std::string& message, int code) {
