@@ -188,6 +188,15 @@ TEST(CorrelationLengths, OfAGaussian) {
     }
 }
 
+TEST(CorrelationLengths, TheOtherHalfPlaneIsTheMirrorImage) {
+  // A region that leans to one side: above (lag 1, 0) lies the image of (−1, 1), which is outside.
+  Autocorrelation acf{Grid<double>::Zero(4, 9), 4, 1, 1};
+  acf.rho.row(0).segment(1, 7) = 0.5;
+  acf.rho(0, 4) = 1;
+  acf.rho.row(1).segment(4, 4) = 0.9;
+  EXPECT_NEAR(correlation_lengths(acf, 0).Sal, std::hypot(1, 0.6), 1e-12);
+}
+
 TEST(CorrelationLengths, WhatDoesNotDecayIsNone) {
   const CorrelationLengths grooves = correlation_lengths(gaussian(1e9, 3, 0, 0.2, 0.2), 0);
   EXPECT_NEAR(grooves.Sal, 3 * std::sqrt(std::log(5.)), 0.01);
