@@ -189,12 +189,15 @@ TEST(CorrelationLengths, OfAGaussian) {
 }
 
 TEST(CorrelationLengths, TheOtherHalfPlaneIsTheMirrorImage) {
-  // A region that leans to one side: above (lag 1, 0) lies the image of (−1, 1), which is outside.
-  Autocorrelation acf{Grid<double>::Zero(4, 9), 4, 1, 1};
-  acf.rho.row(0).segment(1, 7) = 0.5;
+  // The region leaves lag 0 downwards, comes back to row 0 at lag 2, and goes on above it, where it is the
+  // image of what lies below lag −2.
+  Autocorrelation acf{Grid<double>::Zero(5, 9), 4, 1, 1};
   acf.rho(0, 4) = 1;
-  acf.rho.row(1).segment(4, 4) = 0.9;
-  EXPECT_NEAR(correlation_lengths(acf, 0).Sal, std::hypot(1, 0.6), 1e-12);
+  for (const auto& [j, i] : {std::pair{1, 0}, {1, 1}, {1, 2}, {0, 2}, {0, -2}, {1, -2}, {2, -2}})
+    acf.rho(j, 4 + i) = 0.9;
+  const CorrelationLengths lengths = correlation_lengths(acf, 0);
+  EXPECT_NEAR(lengths.Sal, 0.8, 1e-12);                              // from 1 to 0 along row 0
+  EXPECT_NEAR(lengths.Str, 0.8 / std::hypot(2, 2 + 7. / 9), 1e-12);  // from 0.9 to 0 beyond (−2, 2)
 }
 
 TEST(CorrelationLengths, WhatDoesNotDecayIsNone) {
