@@ -1,7 +1,7 @@
 # Every library microbrdf stands on; docs/dependencies.md says why each one.
 find_package(PkgConfig REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(HDF5 REQUIRED COMPONENTS C)
+find_package(HDF5 REQUIRED COMPONENTS C HL)
 find_package(OpenEXR REQUIRED CONFIG)
 find_package(PNG REQUIRED)
 find_package(CLI11 REQUIRED)
