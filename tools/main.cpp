@@ -24,6 +24,7 @@ struct Command {
 constexpr std::array kCommands = {
     Command{"run", "Everything the data allow: a directory of scans to result.h5, pictures and a report",
             micro::tools::add_run},
+    Command{"convert", "Write a scan in another format", micro::tools::add_convert},
     Command{"ndf", "Normal distributions of scans, averaged, in one HDF5 file", micro::tools::add_ndf},
 };
 
