@@ -12,7 +12,8 @@
 
 namespace {
 
-/// A_perp of a 3 × 4 plate with one missing corner point, µm²: 12 triangles, less the two that hold the corner.
+/// A_perp of a 3 × 4 plate with one missing corner point, µm²: 12 triangles, less the two that hold the
+/// corner.
 double plate_area() {
   micro::Grid<double> z = micro::Grid<double>::Zero(3, 4);
   z(0, 0) = micro::kMissing;
