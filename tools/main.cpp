@@ -4,6 +4,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
@@ -28,15 +29,13 @@ constexpr std::array kCommands = {
     Command{"ndf", "Normal distributions of scans, averaged, in one HDF5 file", micro::tools::add_ndf},
 };
 
-int fail(const std::string& message, int code) {
-  std::fprintf(stderr, "microbrdf: %s\n", message.c_str());
+int fail(const char* message, int code) {
+  std::fprintf(stderr, "microbrdf: %s\n", message);
   return code;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  using namespace micro::tools;
+int run(int argc, char** argv) {
+  using micro::tools::Run;
   CLI::App app("microbrdf: from measured rough metal surfaces to how they look");
   app.set_version_flag("--version", "microbrdf " + std::string(micro::version()));
   app.require_subcommand(1);
@@ -47,16 +46,24 @@ int main(int argc, char** argv) {
   }
   try {
     app.parse(argc, argv);
-    for (const auto& [subcommand, run] : commands)
-      if (subcommand->parsed()) return run();
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kUsage;
-  } catch (const micro::InputError& error) {
-    return fail(error.what(), kNothing);
-  } catch (const std::bad_alloc&) {
-    return fail("not enough memory for this request", kNothing);
-  } catch (const std::exception& error) {
-    return fail(error.what(), kNothing);
+    return app.exit(error) == 0 ? micro::tools::kDone : micro::tools::kUsage;
   }
-  return kUsage;
+  for (const auto& [subcommand, run_command] : commands)
+    if (subcommand->parsed()) return run_command();
+  return micro::tools::kUsage;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const micro::InputError& error) {
+    return fail(error.what(), micro::tools::kNothing);
+  } catch (const std::bad_alloc&) {
+    return fail("not enough memory for this request", micro::tools::kNothing);
+  } catch (const std::exception& error) {
+    return fail(error.what(), micro::tools::kNothing);
+  }
 }
