@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <iomanip>
+#include <sstream>
 #include <string_view>
 
 #include "io/png.h"
@@ -80,8 +82,12 @@ std::vector<Tile> tiles_of(const NdfResult& result) {
   for (const ScanRecord& scan : result.scans)
     if (!scan.failure && next < result.thumbnails.size())
       tiles.push_back({result.thumbnails[next++], scan.source});
-  for (const NdfOfScans& ndf : result.ndfs)
-    tiles.push_back({picture_of(ndf.density), "NDF " + ndf.method.name});
+  for (const NdfOfScans& ndf : result.ndfs) {
+    DiskPicture disk = picture_of(ndf.density);
+    std::ostringstream label;
+    label << "NDF " << ndf.method.name << " to sin " << std::setprecision(2) << disk.extent;
+    tiles.push_back({std::move(disk.picture), label.str()});
+  }
   return tiles;
 }
 

@@ -88,8 +88,8 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const std
     record.rejected = prepared.rejected;
     record.filled = prepared.filled;
     if (request.statistics == NdfRequest::Statistics::Compute) {
-      record.Sq = rms_height(surface);
-      record.Sdq = rms_slope(surface);
+      record.Sq = Sq(surface);
+      record.Sdq = Sdq(surface);
     }
     outcome.area = projected_area(surface);
     if (!(outcome.area > 0)) throw FileError(scan.path, "has no three neighbouring points, so no surface");
@@ -146,28 +146,10 @@ class PitchGroups {
   std::vector<PitchGroup> groups_;
 };
 
-/// Smallest half width that leaves at most kLeftOut of the mass outside, with a margin for what other scans
-/// may hold.
-double extent_of(const DiskTable& table) {
-  constexpr double kLeftOut = 1e-3, kMargin = 1.25;
-  const auto c = static_cast<Eigen::Index>(table.grid.centre());
-  std::vector<double> rings(static_cast<std::size_t>(c) + 1, 0.);
-  for (Eigen::Index j = 0; j < table.grid.size; ++j)
-    for (Eigen::Index i = 0; i < table.grid.size; ++i)
-      rings[static_cast<std::size_t>(std::max(std::abs(j - c), std::abs(i - c)))] += table.density(j, i);
-  double total = 0;
-  for (const double mass : rings)
-    total += mass;
-  double outside = 0;
-  Eigen::Index ring = c;
-  while (ring > 0 && outside + rings[static_cast<std::size_t>(ring)] <= kLeftOut * total)
-    outside += rings[static_cast<std::size_t>(ring--)];
-  return std::min(1., kMargin * static_cast<double>(ring + 1) * table.grid.spacing());
-}
-
 /// The grid of each method: as asked, or what holds the energy of a few scans spread over the listing.
 std::vector<DiskGrid> choose_grids(const ScanListing& listing, const NdfRequest& request) {
   constexpr std::size_t kSurveyed = 8;
+  constexpr double kEnergy = 0.999, kMargin = 1.25;  // the margin is for what other scans may hold
   const DiskGrid whole{request.size, 1};
   if (request.extent)
     return std::vector<DiskGrid>(request.methods.size(), DiskGrid{request.size, *request.extent});
@@ -184,7 +166,9 @@ std::vector<DiskGrid> choose_grids(const ScanListing& listing, const NdfRequest&
       },
       [&](std::int64_t, const ScanOutcome& outcome) {
         for (std::size_t m = 0; m < extents.size(); ++m)
-          if (outcome.ndfs[m]) extents[m] = std::max(extents[m], extent_of(outcome.ndfs[m]->density));
+          if (outcome.ndfs[m])
+            extents[m] = std::max(extents[m],
+                                  std::min(1., kMargin * extent_holding(outcome.ndfs[m]->density, kEnergy)));
       });
   std::vector<DiskGrid> grids;
   for (const double extent : extents)
@@ -289,6 +273,13 @@ Stage stage_of(const NdfOfScans& ndf, const std::map<std::string, std::int64_t>&
 }
 
 }  // namespace
+
+std::string filtered_name(double sigma) {
+  if (sigma == 1) return "filtered";
+  std::ostringstream name;
+  name << "filtered_" << sigma << "um";
+  return name.str();
+}
 
 std::string_view estimator_of(const NdfMethod& method) {
   return std::holds_alternative<Naive>(method.kind) ? "triangles" : "plane fits";

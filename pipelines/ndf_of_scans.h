@@ -30,6 +30,9 @@ struct NdfMethod {
   std::variant<Naive, Filtered> kind;
 };
 
+/// The name of a filtered NDF: "filtered" for the paper's σ = 1 µm, else with its σ, "filtered_2um".
+std::string filtered_name(double sigma);
+
 /// How a method's table comes about: "triangles" or "plane fits".
 std::string_view estimator_of(const NdfMethod& method);
 

@@ -14,7 +14,7 @@ namespace micro {
 
 OutputLock::OutputLock(const std::filesystem::path& folder) {
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  if (std::filesystem::create_directories(folder, error)) made_ = folder;
   if (error) throw FileError(folder, "cannot be made: " + error.message());
   descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor_ < 0) throw FileError(folder, "is no folder that can be opened");
@@ -31,6 +31,8 @@ OutputLock::OutputLock(const std::filesystem::path& folder) {
 }
 
 OutputLock::~OutputLock() {
+  std::error_code not_empty;
+  if (!made_.empty()) std::filesystem::remove(made_, not_empty);
   ::close(descriptor_);
 }
 

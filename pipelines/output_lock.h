@@ -15,6 +15,7 @@ class OutputLock {
   OutputLock& operator=(const OutputLock&) = delete;
 
  private:
+  std::filesystem::path made_;  // the folder, if this made it
   int descriptor_;
 };
 

@@ -58,24 +58,31 @@ Picture thumbnail_of(const HeightField& surface) {
   return picture;
 }
 
-Picture picture_of(const DiskTable& table) {
-  constexpr double kDecades = 4;
+DiskPicture picture_of(const DiskTable& table) {
+  constexpr double kDecades = 4, kEnergy = 0.999;
   constexpr Rgb kOffDisk = {255, 255, 255};
-  const Eigen::Index step = reduction(table.grid.size, table.grid.size);
-  const Eigen::Index side = (table.grid.size + step - 1) / step;
-  Grid<double> largest = Grid<double>::Constant(side, side, -1);  // −1: off the disk
-  for (Eigen::Index j = 0; j < table.grid.size; ++j)
-    for (Eigen::Index i = 0; i < table.grid.size; ++i)
-      if (table.grid.mz2(j, i) > 0)
-        largest(j / step, i / step) = std::max(largest(j / step, i / step), table.density(j, i));
+  const auto c = static_cast<Eigen::Index>(table.grid.centre());
+  const auto half = std::min(
+      c, static_cast<Eigen::Index>(std::ceil(1.2 * extent_holding(table, kEnergy) / table.grid.spacing())));
+  const Eigen::Index first = c - half, nodes = 2 * half + 1;
+  // Fewer nodes than points are repeated, more are reduced to the largest of their block.
+  const Eigen::Index step = reduction(nodes, nodes), zoom = std::max<Eigen::Index>(1, kThumbnail / nodes);
+  const Eigen::Index blocks = (nodes + step - 1) / step;
+  Grid<double> largest = Grid<double>::Constant(blocks, blocks, -1);  // −1: off the disk
+  for (Eigen::Index j = 0; j < nodes; ++j)
+    for (Eigen::Index i = 0; i < nodes; ++i)
+      if (table.grid.mz2(first + j, first + i) > 0)
+        largest(j / step, i / step) =
+            std::max(largest(j / step, i / step), table.density(first + j, first + i));
   const double peak = largest.maxCoeff();
-  Picture picture(side, side);
-  for (Eigen::Index k = 0; k < picture.size(); ++k) {
-    const double d = largest.data()[k];
-    const double decades = d > 0 ? std::log10(d / peak) : -kDecades;
-    picture.data()[k] = d < 0 ? kOffDisk : heat(1 + decades / kDecades);
-  }
-  return picture;
+  Picture picture(blocks * zoom, blocks * zoom);
+  for (Eigen::Index j = 0; j < picture.rows(); ++j)
+    for (Eigen::Index i = 0; i < picture.cols(); ++i) {
+      const double d = largest(j / zoom, i / zoom);
+      const double decades = d > 0 ? std::log10(d / peak) : -kDecades;
+      picture(j, i) = d < 0 ? kOffDisk : heat(1 + decades / kDecades);
+    }
+  return {std::move(picture), static_cast<double>(half) * table.grid.spacing()};
 }
 
 }  // namespace micro

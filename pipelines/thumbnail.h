@@ -10,8 +10,14 @@ namespace micro {
 /// standard deviations, missing points yellow as in [Dong15 Fig. 3].
 Picture thumbnail_of(const HeightField& surface);
 
-/// A picture of a distribution on the disk: log D over four decades below the peak, dark to light.
-Picture picture_of(const DiskTable& table);
+/// A picture of a distribution and the half width in m_xy that it shows.
+struct DiskPicture {
+  Picture picture;
+  double extent;
+};
+
+/// log D over four decades below the peak, dark to light, around the part of the disk that holds the energy.
+DiskPicture picture_of(const DiskTable& table);
 
 /// Side of the square that either picture fits into.
 constexpr Eigen::Index kThumbnail = 256;

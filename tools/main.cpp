@@ -27,6 +27,7 @@ constexpr std::array kCommands = {
             micro::tools::add_run},
     Command{"convert", "Write a scan in another format", micro::tools::add_convert},
     Command{"ndf", "Normal distributions of scans, averaged, in one HDF5 file", micro::tools::add_ndf},
+    Command{"study", "The paper's experiments on your own scans", micro::tools::add_study},
 };
 
 int fail(const char* message, int code) {

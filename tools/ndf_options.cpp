@@ -19,14 +19,6 @@
 namespace micro::tools {
 namespace {
 
-/// 1 → "", 2 → "_2um": the default σ has the plain name.
-std::string filtered_name(double sigma) {
-  if (sigma == 1) return "filtered";
-  std::ostringstream name;
-  name << "filtered_" << sigma << "um";
-  return name.str();
-}
-
 /// An angle, or else the file of a measured signature.
 NamedSignature make_signature(const std::string& text) {
   if (std::filesystem::exists(text))

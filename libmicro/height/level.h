@@ -12,7 +12,7 @@ namespace micro {
 /// least-squares quadratic (ISO 25178's form removal for curved parts).
 enum class Level { None, Mean, Plane, Quadratic };
 
-constexpr std::array kLevels = {Level::None, Level::Mean, Level::Plane, Level::Quadratic};
+inline constexpr std::array kLevels = {Level::None, Level::Mean, Level::Plane, Level::Quadratic};
 
 /// none | mean | plane | quadratic.
 std::string_view name_of(Level level);
