@@ -37,7 +37,7 @@ void check_pitch(double dx, double dy);
 }  // namespace detail
 
 /// Makes a height field of the heights height(k), k = j·cols + i, in µm (NaN or ±inf = missing): removes the
-/// mean over valid points in double. `height` is called twice for each k, in order, so that a reader can
+/// mean over valid points in double. `height` is called more than once for each k, so that a reader can
 /// convert its samples straight to float. Throws InputError unless dx and dy are positive and finite and the
 /// heights fit a float.
 template <typename Height>
