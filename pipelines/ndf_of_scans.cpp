@@ -36,7 +36,11 @@ struct ScanOutcome {
 };
 
 ScanNdf counted(const NormalCounts& counts) {
-  return {.density = density(counts), .samples = counts.total, .outside = counts.outside};
+  ScanNdf ndf;
+  ndf.density = density(counts);
+  ndf.samples = counts.total;
+  ndf.outside = counts.outside;
+  return ndf;
 }
 
 ScanNdf compute(const Naive&, const HeightField& surface, const DiskGrid& grid) {
@@ -285,6 +289,10 @@ Stage stage_of(const NdfOfScans& ndf, const std::map<std::string, std::int64_t>&
 }
 
 }  // namespace
+
+std::string_view estimator_of(const NdfMethod& method) {
+  return std::holds_alternative<Naive>(method.kind) ? "triangles" : "plane fits";
+}
 
 NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
                        const std::function<void(const Progress&)>& report) {

@@ -30,6 +30,9 @@ struct NdfMethod {
   std::variant<Naive, Filtered> kind;
 };
 
+/// How a method's table comes about: "triangles" or "plane fits".
+std::string_view estimator_of(const NdfMethod& method);
+
 /// An instrument signature and what to call the tables that it blurred.
 struct NamedSignature {
   std::string name;  ///< e.g. "1.5deg"
@@ -71,6 +74,7 @@ struct NdfOfScans {
   std::int64_t without_normal = 0;         ///< points whose neighbours determine no plane
   std::optional<double> truncation_error;  ///< bound on a slope's error from cutting the window
   double valid_sin_theta = 1;              ///< beyond it the pitch does not resolve the surface
+  double rel_error = 0;                    ///< relative error of the estimator; 0: exact but for rounding
   double seconds = 0;                      ///< of computing it, summed over scans
   std::optional<std::string> signature;    ///< name of the signature that it was blurred with
 };

@@ -22,7 +22,12 @@ struct Command {
 };
 
 /// Every subcommand, in the order of `microbrdf --help`.
-constexpr std::array<Command, 0> kCommands = {};
+constexpr std::array kCommands = {
+    Command{"run", "Everything the data allow: a directory of scans to result.h5, pictures and a report",
+            micro::tools::add_run},
+    Command{"convert", "Write a scan in another format", micro::tools::add_convert},
+    Command{"ndf", "Normal distributions of scans, averaged, in one HDF5 file", micro::tools::add_ndf},
+};
 
 int fail(const char* message, int code) {
   std::fprintf(stderr, "microbrdf: %s\n", message);
