@@ -12,7 +12,7 @@
 #include "io/exr.h"
 #include "io/png.h"
 #include "io/sha256.h"
-#include "io/temporary_folder_test.h"
+#include "testing/temporary_folder.h"
 
 namespace micro {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "io/temporary_folder_test.h"
+#include "testing/temporary_folder.h"
 
 namespace micro {
 namespace {

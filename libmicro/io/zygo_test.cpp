@@ -6,7 +6,7 @@
 #include "core/error.h"
 #include "io/scan.h"
 #include "io/small_scans_test.h"
-#include "io/temporary_folder_test.h"
+#include "testing/temporary_folder.h"
 #include "io/zygo_dat.h"
 
 namespace micro {
