@@ -25,7 +25,9 @@ struct Command {
 constexpr std::array kCommands = {
     Command{"run", "Everything the data allow: a directory of scans to result.h5, pictures and a report",
             micro::tools::add_run},
+    Command{"info", "Size, missing points and ISO 25178 parameters of scans", micro::tools::add_info},
     Command{"convert", "Write a scan in another format", micro::tools::add_convert},
+    Command{"synth", "Make a synthetic surface", micro::tools::add_synth},
     Command{"ndf", "Normal distributions of scans, averaged, in one HDF5 file", micro::tools::add_ndf},
     Command{"study", "The paper's experiments on your own scans", micro::tools::add_study},
 };

@@ -23,8 +23,8 @@ constexpr double kPointsPerTau = 3;
 constexpr int kReach = 10;
 constexpr int kTaps = 2 * kReach;
 /// Correlation lengths below this fraction of the pitch are raised to it: neighbours are then correlated by
-/// exp(−36), which is nothing.
-constexpr double kShortestTau = 1. / 6;
+/// exp(−25), which is nothing.
+constexpr double kShortestTau = 1. / 5;
 /// Correlation lengths beyond this multiple of the patch are lowered to it: the patch is a constant to 1e-18.
 constexpr double kLongestTau = 1e9;
 

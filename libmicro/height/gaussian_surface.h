@@ -21,7 +21,7 @@ struct GaussianField {
 /// Open borders: the noise lives on a lattice a third of a correlation length apart (which keeps variance and
 /// correlation to 3e-10), sheared so that the kernel separates for every orientation; it reaches as far as
 /// the kernel does, so the field is stationary up to the border, and a larger surface of the same seed
-/// contains the smaller one. Any τ: cost and memory do not grow with it, below a sixth of the pitch the
+/// contains the smaller one. Any τ: cost and memory do not grow with it, below a fifth of the pitch the
 /// points are independent, far beyond the patch the surface is a constant. Periodic: the same correlation,
 /// wrapped around, imposed in Fourier space on noise at the grid points (another 24 bytes a point); `rms`
 /// includes the mean of the patch. Throws InputError unless rms ≥ 0 and the correlation lengths are positive

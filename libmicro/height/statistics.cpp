@@ -56,6 +56,22 @@ Eigen::Array<double, Terms, 1> sum_triangles(const HeightField& surface, Term&& 
   });
 }
 
+/// Σ of 1, zx, zy, zx², zx zy, zy² over the cells with four corners, slopes averaged over opposite sides.
+Eigen::Array<double, 6, 1> sum_cell_slopes(const HeightField& surface) {
+  using Sum = Eigen::Array<double, 6, 1>;
+  if (surface.rows() < 2) return Sum::Zero();
+  return sum_rows<6>(surface.rows() - 1, [&](Eigen::Index j) {
+    Sum sum = Sum::Zero();
+    for (Eigen::Index i = 0; i + 1 < surface.cols(); ++i) {
+      const double rising = static_cast<double>(surface.z(j + 1, i + 1)) - surface.z(j, i);
+      const double falling = static_cast<double>(surface.z(j, i + 1)) - surface.z(j + 1, i);
+      const double zx = (rising + falling) / (2 * surface.dx), zy = (rising - falling) / (2 * surface.dy);
+      if (!std::isnan(zx)) sum += (Sum() << 1, zx, zy, zx * zx, zx * zy, zy * zy).finished();
+    }
+    return sum;
+  });
+}
+
 /// Number of valid points, and their mean as an offset from surface.mean, µm (NaN if there are none).
 struct Centre {
   double n, mean;
@@ -121,9 +137,7 @@ double Sdr(const HeightField& surface) {
 }
 
 TextureDirection texture_direction(const HeightField& surface) {
-  const auto sum = sum_triangles<6>(surface, [](double zx, double zy) {
-    return (Eigen::Array<double, 6, 1>() << 1, zx, zy, zx * zx, zx * zy, zy * zy).finished();
-  });
+  const auto sum = sum_cell_slopes(surface);
   if (sum(0) == 0) return {kNone, kNone};
   const Eigen::Array<double, 6, 1> mean = sum / sum(0);
   Eigen::Matrix2d covariance;

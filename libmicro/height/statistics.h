@@ -34,16 +34,17 @@ double Sdq(const HeightField& surface);
 /// the project's triangulation; a ratio, not per cent. NaN if no triangle is there.
 double Sdr(const HeightField& surface);
 
-/// Which way a texture runs, from the covariance of the triangles' slopes: its eigenvector of least variance
+/// Which way a texture runs, from the covariance of the slopes of complete cells (opposite sides averaged:
+/// the triangles' own slopes would lean towards the diagonal they share): its eigenvector of least variance
 /// points along the lay, its eigenvalues λ₁ ≥ λ₂ give the strength.
 struct TextureDirection {
   double direction;  ///< of the lay, radians from +x towards +y, in (−π/2, π/2]; NaN if isotropic
-  double anisotropy;  ///< (λ₁ − λ₂)/(λ₁ + λ₂): 0 isotropic, 1 ideal grooves; NaN if flat or no triangles
+  double anisotropy;  ///< (λ₁ − λ₂)/(λ₁ + λ₂): 0 isotropic, 1 ideal grooves; NaN if flat or without cells
 };
 
 /// Below this anisotropy a direction would be chance: a scan of a few hundred correlation areas scatters by
 /// nearly as much.
-constexpr double kLeastAnisotropy = 0.1;
+inline constexpr double kLeastAnisotropy = 0.1;
 
 TextureDirection texture_direction(const HeightField& surface);
 
