@@ -16,14 +16,13 @@ namespace micro {
 /// Every estimator (exact, Monte Carlo, spectral) estimates this one number.
 
 /// The wave vector q = (4π/λ_q) h in rad/µm of half direction h (a unit vector) at effective wavelength
-/// λ_q = λ/cos(θ_d/2) in µm [Dong15 Eqs. 4, 5].
+/// λ_q = λ/cos(θ_d/2) in µm [Dong15 Eqs. 4, 5]. Throws InputError unless λ_q is positive and finite.
 Vec3 wave_vector(const Vec3& h, double lambda_q);
 
 /// D_K = |F|² / (4π² A_perp) in 1/sr, F in µm, A_perp in µm² [Dong15 Eq. 6].
 double kirchhoff_density(std::complex<double> field, double projected_area);
 
-/// A_perp of a surface that D_K can be asked of. Throws InputError if not one triangle is there, or if λ_q is
-/// not positive and finite.
-double kirchhoff_area(const HeightField& surface, double lambda_q);
+/// A_perp of a surface that D_K can be asked of, µm². Throws InputError if not one triangle is there.
+double kirchhoff_area(const HeightField& surface);
 
 }  // namespace micro
