@@ -36,10 +36,11 @@ double effective_area(const Window& window);
 
 /// Cuts a surface into its coherent windows; those without a triangle are left out. D_K of the surface is the
 /// mean of the windows' D weighted by effective_area. Whole patch: the surface itself. Sub-windows: as near
-/// to squares of the area asked as whole numbers of cells allow, neighbours share their border row of points,
-/// so that no triangle is lost or counted twice. Gaussian taper: centres 1.25 s apart and one beyond every
-/// side, so that ΣW² varies by less than 0.4 % over the patch, each window cut at 3.5 s. Throws InputError if
-/// an area is not positive and finite or smaller than one cell.
+/// to squares of the area asked as whole numbers of cells allow; neighbours share their border row of points,
+/// so that every triangle is in one window. Gaussian taper: centres at most 1.25 s apart, so that ΣW² varies
+/// by less than 0.4 % inside, and 2 s from the border (in the middle of a patch narrower than 4 s), each cut
+/// at 3.5 s: what lies within 2 s of the border counts less. Throws InputError if an area is not positive and
+/// finite or smaller than one cell.
 std::vector<Window> coherent_windows(const HeightField& surface, const Coherence& coherence);
 
 /// The surface mirrored in x. Its triangles are cut along the other diagonal, so that D_K of the mirrored

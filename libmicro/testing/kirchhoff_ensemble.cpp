@@ -89,6 +89,20 @@ double gaussian_patch_density(const Vec3& q, const GaussianStatistics& s, double
   return sum / (4 * kPi * kPi);
 }
 
+double gaussian_tapered_density(const Vec3& q, const GaussianStatistics& stats, double s) {
+  const double g = q.z() * q.z() * stats.sigma * stats.sigma, window = 1 / (4 * s * s);
+  double sum = 0;
+  const int last = static_cast<int>(g + 12 * std::sqrt(g) + 60);
+  for (int m = 0; m <= last; ++m) {
+    const double poisson = std::exp((m == 0 ? 0 : m * std::log(g)) - g - std::lgamma(m + 1.0));
+    const double x = m / (stats.tau_x * stats.tau_x) + window, y = m / (stats.tau_y * stats.tau_y) + window;
+    const double obliquity = m == 0 ? q.z() : q.squaredNorm() / q.z();
+    sum += obliquity * obliquity * poisson * std::exp(-q.x() * q.x() / (4 * x) - q.y() * q.y() / (4 * y)) /
+           std::sqrt(x * y);
+  }
+  return sum / (4 * kPi);
+}
+
 double beckmann_density(const Vec3& m, double alpha_x, double alpha_y) {
   const double x = m.x() / (m.z() * alpha_x), y = m.y() / (m.z() * alpha_y);
   return std::exp(-x * x - y * y) / (kPi * alpha_x * alpha_y * std::pow(m.z(), 4));

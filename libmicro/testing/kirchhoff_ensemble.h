@@ -27,6 +27,11 @@ double gaussian_coherent_density(const Vec3& q, const GaussianStatistics& statis
 double gaussian_patch_density(const Vec3& q, const GaussianStatistics& statistics, double length_x,
                               double length_y);
 
+/// ⟨D_K⟩ under a Gaussian taper exp(−r²/2s²), of infinite extent: the series with the taper's autocorrelation
+/// exp(−Δ²/4s²) under the integral, so that m/τ² becomes m/τ² + 1/4s² and m = 0 is the coherent part:
+/// every feature is blurred by exp(−s²q_⊥²), i.e. by λ_q/(4π√2 s) (standard deviation in each of h_x, h_y).
+double gaussian_tapered_density(const Vec3& q, const GaussianStatistics& statistics, double s);
+
 /// Beckmann's distribution exp(−m_x²/α_x²m_z² − m_y²/α_y²m_z²)/(π α_x α_y m_z⁴) per steradian.
 double beckmann_density(const Vec3& m, double alpha_x, double alpha_y);
 
