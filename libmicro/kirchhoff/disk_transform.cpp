@@ -1,9 +1,11 @@
 #include "kirchhoff/disk_transform.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "core/error.h"
 #include "core/fft.h"
 #include "core/parallel.h"
 #include "kirchhoff/kirchhoff.h"
@@ -141,7 +143,7 @@ template <typename Real>
 struct RowSpectra {
   std::int64_t padded_rows;
   int fields;
-  FftVector<std::complex<Real>> data;
+  FftVector<std::complex<Real>>& data;
   std::complex<Real>* at(std::int64_t column, int field) {
     return &data[static_cast<std::size_t>((column * fields + field) * padded_rows)];
   }
@@ -252,51 +254,102 @@ std::complex<double> segment_spectrum(double q, double length) {
   return length * (std::abs(half) < 1e-8 ? 1 : std::sin(half) / half) * std::polar(1.0, -half);
 }
 
-/// D_K at all nodes from the sums over terms: takes the gridding kernel out, adds q_z·I[1] where that is a
-/// rectangle's.
+/// What finish() needs along one axis, for k = 0 … c.
+struct AxisSpectra {
+  std::vector<double> deconvolve;          ///< 1/kernel
+  std::vector<double> plate_re, plate_im;  ///< ∫e^{−iqx}dx over the surface's side
+};
+
+AxisSpectra make_axis(const Geometry& g, const GriddingKernel& kernel, double side) {
+  AxisSpectra axis;
+  for (int k = 0; k <= g.half; ++k) {
+    const double q = g.step * k;
+    const std::complex<double> plate = segment_spectrum(q, side);
+    axis.deconvolve.push_back(1 / kernel.spectrum(q));
+    axis.plate_re.push_back(plate.real());
+    axis.plate_im.push_back(plate.imag());
+  }
+  return axis;
+}
+
+/// D_K at all nodes from the sums over terms: takes the gridding kernel out, and adds q_z·I[1] where that is
+/// a complete rectangle's.
 template <typename Real>
 DiskTable finish(const Geometry& g, const DiskGrid& grid, const GriddingKernel& kernel,
                  const DiskField<Real>& field, const QuadratureLattice& lattice, double area) {
+  constexpr std::int64_t kTileRows = 16, kTileCols = 16;
   DiskTable table = make_disk_table(grid);
-  const auto n = static_cast<std::size_t>(g.half + 1);
-  std::vector<double> deconvolve(n);
-  std::vector<std::complex<double>> along_x(n), along_y(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const double q = g.step * static_cast<double>(k);
-    deconvolve[k] = 1 / kernel.spectrum(q);
-    along_x[k] = segment_spectrum(q, static_cast<double>(lattice.cols() - 1) * lattice.dx());
-    along_y[k] = segment_spectrum(q, static_cast<double>(lattice.rows() - 1) * lattice.dy());
-  }
-  if (!lattice.complete()) std::fill(along_x.begin(), along_x.end(), 0);
-  const double radius = std::sqrt(g.sphere);
-  parallel_blocks(g.half + 1, 16, [&](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t kx = 0; kx <= g.half; ++kx)
+  const AxisSpectra x = make_axis(g, kernel, static_cast<double>(lattice.cols() - 1) * lattice.dx());
+  const AxisSpectra y = make_axis(g, kernel, static_cast<double>(lattice.rows() - 1) * lattice.dy());
+  const double plate = lattice.complete() ? 1 : 0, to_density = kirchhoff_density(1, area);
+  const std::int64_t n = g.half + 1;
+  parallel_blocks(n, kTileRows, [&](std::int64_t begin, std::int64_t end) {
+    std::array<std::array<std::array<double, kTileCols>, kTileRows>, 4> tile;
+    for (std::int64_t first = 0; first < n; first += kTileCols) {
+      const std::int64_t last = std::min(first + kTileCols, n);
+      for (std::int64_t kx = first; kx < last; ++kx)
+        for (std::int64_t ky = begin; ky < end; ++ky) {
+          const std::int64_t at = kx * field.stride + ky;
+          const double mz2 = grid.mz2(g.half + ky, g.half + kx);
+          const double scale = x.deconvolve[kx] * y.deconvolve[ky];
+          const double qz = plate * std::sqrt(g.sphere * std::max(mz2, 0.0)),
+                       inside = mz2 > 0 ? to_density : 0;
+          // (a + ib)(c ± id), the spectra of the sides, for k_y of either sign
+          const double ac = x.plate_re[kx] * y.plate_re[ky], bd = x.plate_im[kx] * y.plate_im[ky];
+          const double bc = x.plate_im[kx] * y.plate_re[ky], ad = x.plate_re[kx] * y.plate_im[ky];
+          const auto density = [&](int quadrant, double plate_re, double plate_im) {
+            const double re = scale * static_cast<double>(field.quadrants[quadrant].re[at]) + qz * plate_re;
+            const double im = scale * static_cast<double>(field.quadrants[quadrant].im[at]) + qz * plate_im;
+            tile[quadrant][ky - begin][kx - first] = inside * (re * re + im * im);
+          };
+          density(0, ac - bd, bc + ad);
+          density(1, ac - bd, -bc - ad);
+          density(2, ac + bd, bc - ad);
+          density(3, ac + bd, ad - bc);
+        }
       for (std::int64_t ky = begin; ky < end; ++ky) {
-        const double mz2 = grid.mz2(g.half + ky, g.half + kx);
-        if (!(mz2 > 0)) continue;
-        const double qz = radius * std::sqrt(mz2), scale = deconvolve[kx] * deconvolve[ky];
-        const std::complex<double> straight = qz * along_x[kx] * along_y[ky];
-        const std::complex<double> mixed = qz * along_x[kx] * std::conj(along_y[ky]);
-        const std::complex<double> plate[4] = {straight, std::conj(straight), mixed, std::conj(mixed)};
-        const std::int64_t sign_x[4] = {1, -1, 1, -1}, sign_y[4] = {1, -1, -1, 1};
-        const auto at = static_cast<std::size_t>(kx * field.stride + ky);
-        for (int quadrant = 0; quadrant < 4; ++quadrant) {
-          const auto& sums = field.quadrants[quadrant];
-          const std::complex<double> f =
-              scale * std::complex<double>(sums.re[at], sums.im[at]) + plate[quadrant];
-          table.density(g.half + sign_y[quadrant] * ky, g.half + sign_x[quadrant] * kx) =
-              kirchhoff_density(f, area);
+        double* up = &table.density(g.half + ky, g.half);
+        double* down = &table.density(g.half - ky, g.half);
+        for (std::int64_t kx = first; kx < last; ++kx) {
+          up[kx] = tile[0][ky - begin][kx - first];
+          down[-kx] = tile[1][ky - begin][kx - first];
+          down[kx] = tile[2][ky - begin][kx - first];
+          up[-kx] = tile[3][ky - begin][kx - first];
         }
       }
+    }
   });
   return table;
+}
+
+/// Refuses what would take hours, and says how far out the table may go instead.
+void check_work(const HeightField& surface, const QuadratureLattice& lattice, int terms, double lambda_q) {
+  constexpr double kMostPoints = 2e11;  // lattice points times terms: some 100 s on two cores
+  const double points =
+      static_cast<double>(lattice.rows()) * static_cast<double>(lattice.cols()) * std::max(terms, 1);
+  if (points <= kMostPoints) return;
+  const double pitch = std::max(surface.dx, surface.dy);
+  throw InputError("a pitch of " + std::to_string(pitch) +
+                   " µm is too coarse for the whole disk at an effective wavelength of " +
+                   std::to_string(lambda_q) + " µm: lower the extent towards " +
+                   std::to_string(std::min(1.0, lambda_q / (2 * pitch))) +
+                   ", the sine of the first false order");
+}
+
+template <typename Real>
+void clear_field(const Geometry& g, DiskField<Real>& field) {
+  field.half = g.half;
+  field.stride = g.half + 1 + kColumnPadding;
+  for (auto& quadrant : field.quadrants)
+    for (auto* part : {&quadrant.re, &quadrant.im})
+      part->assign(static_cast<std::size_t>((g.half + 1) * field.stride), Real(0));
 }
 
 }  // namespace
 
 template <typename Real>
 DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, double lambda_q,
-                           const SpectralChoice& choice) {
+                           const SpectralChoice& choice, DiskMemory<Real>& memory) {
   const double area = kirchhoff_area(surface);
   const QuadratureLattice lattice(surface, choice.subdivision);
   const Geometry g = make_geometry(lattice, grid, lambda_q, choice);
@@ -305,11 +358,7 @@ DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, dou
   const double radius = std::sqrt(g.sphere);
   const WaveRange q = {radius * std::sqrt(std::max(0.0, 1 - 2 * grid.extent * grid.extent)), radius};
   const HeightBasis basis(heights, 0, q, choice.basis_tolerance);
-
-  DiskField<Real> field{g.half, g.half + 1 + kColumnPadding, {}};
-  for (auto& quadrant : field.quadrants)
-    for (auto* part : {&quadrant.re, &quadrant.im})
-      part->assign(static_cast<std::size_t>((g.half + 1) * field.stride), 0);
+  check_work(surface, lattice, basis.terms(), lambda_q);
 
   const ComplexFft<Real> fft({1, g.length, 1}, FftDirection::Forward);
   SpreadProblem<Real> problem{};
@@ -325,28 +374,30 @@ DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, dou
 
   DiskDensity result;
   result.work = {basis.terms() + (lattice.complete() ? 0 : 1), g.length, 0, 0};
-  RowSpectra<Real> spectra{(g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup, 0, {}};
+  clear_field(g, memory.field);
   for (const Batch& batch : make_batches(basis.terms(), !lattice.complete())) {
     const FunctionTable<Real> functions = make_function_table<Real>(basis, heights, batch, g.sphere);
     const CoefficientTable<Real> coefficients =
         make_coefficient_table<Real>(basis, q, batch, choice.basis_tolerance);
     problem.functions = &functions;
-    spectra.fields = batch.fields();
-    spectra.data.resize(static_cast<std::size_t>((2 * g.half + 1) * spectra.fields * spectra.padded_rows));
+    RowSpectra<Real> spectra{(g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup, batch.fields(),
+                             memory.spectra};
+    const auto size = static_cast<std::size_t>((2 * g.half + 1) * spectra.fields * spectra.padded_rows);
+    if (memory.spectra.size() < size) memory.spectra.resize(size);
     transform_rows(g, problem, fft, spectra);
-    transform_columns(g, coefficients, fft, spectra, field);
+    transform_columns(g, coefficients, fft, spectra, memory.field);
     result.work.transforms += batch.fields() * (g.rows() + 2 * g.half + 1);
     result.work.bytes = std::max<std::int64_t>(
-        result.work.bytes, static_cast<std::int64_t>(spectra.data.size() * sizeof(std::complex<Real>) +
-                                                     8 * field.quadrants[0].re.size() * sizeof(Real)));
+        result.work.bytes, static_cast<std::int64_t>(size * sizeof(std::complex<Real>) +
+                                                     8 * memory.field.quadrants[0].re.size() * sizeof(Real)));
   }
-  result.table = finish(g, grid, kernel, field, lattice, area);
+  result.table = finish(g, grid, kernel, memory.field, lattice, area);
   return result;
 }
 
-template DiskDensity transform_disk<float>(const HeightField&, const DiskGrid&, double,
-                                           const SpectralChoice&);
+template DiskDensity transform_disk<float>(const HeightField&, const DiskGrid&, double, const SpectralChoice&,
+                                           DiskMemory<float>&);
 template DiskDensity transform_disk<double>(const HeightField&, const DiskGrid&, double,
-                                            const SpectralChoice&);
+                                            const SpectralChoice&, DiskMemory<double>&);
 
 }  // namespace micro

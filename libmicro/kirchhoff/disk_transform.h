@@ -24,6 +24,13 @@ struct SpectralWork {
   std::int64_t bytes = 0;       ///< of memory held at most, without the table
 };
 
+/// Memory that may serve one table after the other; nothing in it outlives a call.
+template <typename Real>
+struct DiskMemory {
+  FftVector<std::complex<Real>> spectra;
+  DiskField<Real> field;
+};
+
 struct DiskDensity {
   DiskTable table;
   SpectralWork work;
@@ -38,8 +45,10 @@ struct DiskDensity {
 /// period fold into it, which is exact.
 ///
 /// `Real` is float (error about 1e-6 of the peak of |F| without the coherent part) or double.
+/// Throws InputError if not one triangle is there, or if the lattice has so many points that a table would
+/// take hours.
 template <typename Real>
 DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, double lambda_q,
-                           const SpectralChoice& choice);
+                           const SpectralChoice& choice, DiskMemory<Real>& memory);
 
 }  // namespace micro

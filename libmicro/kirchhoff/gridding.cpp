@@ -7,26 +7,40 @@
 
 namespace micro {
 
+namespace {
+
+/// I₀(x) and I₁(x)/x from y = x²/4 by their power series [NIST DLMF 10.25.2]: smooth at x = 0, all terms
+/// positive.
+struct BesselPair {
+  double i0, i1_over_x;
+};
+
+BesselPair modified_bessel(double y) {
+  BesselPair sum = {0, 0};
+  double term = 1;  // y^k/k!²
+  for (int k = 0; term > 1e-17 * sum.i0; ++k) {
+    sum.i0 += term;
+    sum.i1_over_x += term / (2 * (k + 1));
+    term *= y / ((k + 1.0) * (k + 1.0));
+  }
+  return sum;
+}
+
+}  // namespace
+
 GriddingKernel::GriddingKernel(int width, double oversampling, double pitch)
     : half_width_(width * pitch / 2), pitch_(pitch) {
   assert(width >= 2 && oversampling > 1 && pitch > 0);
   const double a = width / oversampling * (oversampling - 0.5);
   beta_ = std::numbers::pi * std::sqrt(std::max(a * a - 0.8, 0.1));
-  peak_ = std::cyl_bessel_i(0.0, beta_);
+  peak_ = modified_bessel(beta_ * beta_ / 4).i0;
 }
 
-double GriddingKernel::operator()(double x) const {
+GriddingKernel::Value GriddingKernel::operator()(double x) const {
   const double t = x / half_width_;
-  return std::abs(t) > 1 ? 0 : std::cyl_bessel_i(0.0, beta_ * std::sqrt(1 - t * t)) / peak_;
-}
-
-double GriddingKernel::derivative(double x) const {
-  const double t = x / half_width_;
-  if (std::abs(t) > 1) return 0;
-  const double root = std::sqrt(1 - t * t);
-  // I₁(βr)/r → β/2 for r → 0
-  const double ratio = root > 1e-8 ? std::cyl_bessel_i(1.0, beta_ * root) / root : beta_ / 2;
-  return -beta_ * t * ratio / peak_ / half_width_;
+  if (std::abs(t) > 1) return {0, 0};
+  const BesselPair bessel = modified_bessel(beta_ * beta_ * (1 - t * t) / 4);
+  return {bessel.i0 / peak_, -beta_ * beta_ * t * bessel.i1_over_x / peak_ / half_width_};
 }
 
 double GriddingKernel::spectrum(double q) const {
@@ -51,8 +65,9 @@ GatherTable<Real> make_gather(const GriddingKernel& kernel, double spacing, int 
     table.start.push_back(static_cast<std::int32_t>(start));
     for (int t = 0; t < table.taps; ++t) {
       const double distance = x - origin - static_cast<double>(start + t) * stride;
-      table.value.push_back(static_cast<Real>(kernel(distance)));
-      table.derivative.push_back(static_cast<Real>(kernel.derivative(distance)));
+      const GriddingKernel::Value value = kernel(distance);
+      table.value.push_back(static_cast<Real>(value.k));
+      table.derivative.push_back(static_cast<Real>(value.slope));
     }
   }
   return table;
@@ -72,8 +87,9 @@ ScatterTable<Real> make_scatter(const GriddingKernel& kernel, double spacing, st
     table.start.push_back(static_cast<std::int32_t>(start - begin));
     for (int t = 0; t < table.taps; ++t) {
       const double distance = static_cast<double>(start + t) * kernel.pitch() - x;
-      table.value.push_back(static_cast<Real>(kernel(distance)));
-      table.derivative.push_back(static_cast<Real>(kernel.derivative(distance)));
+      const GriddingKernel::Value value = kernel(distance);
+      table.value.push_back(static_cast<Real>(value.k));
+      table.derivative.push_back(static_cast<Real>(value.slope));
     }
   }
   return table;

@@ -16,8 +16,10 @@ class GriddingKernel {
 
   double half_width() const { return half_width_; }  ///< µm
   double pitch() const { return pitch_; }            ///< µm
-  double operator()(double x) const;                 ///< K at distance x in µm
-  double derivative(double x) const;                 ///< dK/dx, 1/µm
+  struct Value {
+    double k, slope;  ///< K and dK/dx in 1/µm
+  };
+  Value operator()(double x) const;  ///< at distance x in µm
   /// (1/pitch)·∫K e^{−iqx} dx: what a spread source's spectrum has been multiplied by, q in rad/µm.
   double spectrum(double q) const;
 

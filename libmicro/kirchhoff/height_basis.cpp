@@ -1,6 +1,6 @@
 #include "kirchhoff/height_basis.h"
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -153,21 +153,20 @@ void HeightBasis::decompose(const HeightHistogram& heights, double tolerance) {
       samples(i, k) = weight[i] * value.real();
       samples(i, m + k) = weight[i] * value.imag();
     }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(samples, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd& sigma = svd.singularValues();
-  const double allowed = tolerance / q_.high;
+  // The squares of the singular values: half the digits, which is 1e-8 of the largest.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(samples * samples.transpose());  // ascending
+  const double allowed = m * tolerance * tolerance / (q_.high * q_.high);
   double tail = 0;
-  terms_ = static_cast<int>(sigma.size());
-  while (terms_ > 0 && tail + sigma[terms_ - 1] * sigma[terms_ - 1] / m <= allowed * allowed) {
-    tail += sigma[terms_ - 1] * sigma[terms_ - 1] / m;
+  terms_ = n;
+  while (terms_ > 0 && tail + std::max(0.0, eigen.eigenvalues()[n - terms_]) <= allowed) {
+    tail += std::max(0.0, eigen.eigenvalues()[n - terms_]);
     --terms_;
   }
-  const Eigen::MatrixXd u = weight.inverse().matrix().asDiagonal() * svd.matrixU().leftCols(terms_);
-  function_series_ = chebyshev_transform(n) * u;
-  Eigen::MatrixXcd c(m, terms_);
-  c.real() = svd.matrixV().topRows(m).leftCols(terms_) * sigma.head(terms_).asDiagonal();
-  c.imag() = svd.matrixV().bottomRows(m).leftCols(terms_) * sigma.head(terms_).asDiagonal();
-  coefficient_series_ = chebyshev_transform(m).cast<Complex>() * c;
+  const Eigen::MatrixXd u = eigen.eigenvectors().rightCols(terms_).rowwise().reverse();
+  const Eigen::MatrixXd projected = samples.transpose() * u;
+  function_series_ = chebyshev_transform(n) * (weight.inverse().matrix().asDiagonal() * u);
+  coefficient_series_re_ = chebyshev_transform(m) * projected.topRows(m);
+  coefficient_series_im_ = chebyshev_transform(m) * projected.bottomRows(m);
 }
 
 void HeightBasis::expand(double tolerance) {
@@ -204,12 +203,14 @@ HeightBasis::Functions HeightBasis::functions(int n, int first, int count) const
 }
 
 Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
-  if (!chebyshev_)
-    return (chebyshev_values(n, coefficient_series_.rows()).cast<Complex>() *
-            coefficient_series_.middleCols(first, count))
-        .array();
-  // e^{−iq(d + half·x)} = e^{−iqd} Σ_k (2 − δ_k0)(−i)^k J_k(q·half) T_k(x), d = centre − origin.
   Eigen::ArrayXXcd c(n, count);
+  if (!chebyshev_) {
+    const Eigen::MatrixXd t = chebyshev_values(n, coefficient_series_re_.rows());
+    c.real() = (t * coefficient_series_re_.middleCols(first, count)).array();
+    c.imag() = (t * coefficient_series_im_.middleCols(first, count)).array();
+    return c;
+  }
+  // e^{−iq(d + half·x)} = e^{−iqd} Σ_k (2 − δ_k0)(−i)^k J_k(q·half) T_k(x), d = centre − origin.
   const Complex powers[4] = {1.0, {0, -1}, -1.0, {0, 1}};
   for (int e = 0; e < n; ++e) {
     const double q = std::max(q_.low + (q_.high - q_.low) * e / (n - 1), 1e-7 * q_.high);

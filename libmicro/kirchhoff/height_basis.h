@@ -60,8 +60,8 @@ class HeightBasis {
   double reach_;
   int terms_ = 0;
   bool chebyshev_ = false;
-  Eigen::MatrixXd function_series_;      ///< [degree, terms] Chebyshev coefficients of φ_k
-  Eigen::MatrixXcd coefficient_series_;  ///< [degree, terms] Chebyshev coefficients of c_k
+  Eigen::MatrixXd function_series_;  ///< [degree, terms] Chebyshev coefficients of φ_k
+  Eigen::MatrixXd coefficient_series_re_, coefficient_series_im_;  ///< [degree, terms] the same of c_k
 };
 
 }  // namespace micro
