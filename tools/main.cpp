@@ -49,11 +49,12 @@ int run(int argc, char** argv) {
   }
   try {
     app.parse(argc, argv);
+    // A subcommand may still find that its options do not go together.
+    for (const auto& [subcommand, run_command] : commands)
+      if (subcommand->parsed()) return run_command();
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? micro::tools::kDone : micro::tools::kUsage;
   }
-  for (const auto& [subcommand, run_command] : commands)
-    if (subcommand->parsed()) return run_command();
   return micro::tools::kUsage;
 }
 
