@@ -1,5 +1,7 @@
 #include "kirchhoff/monte_carlo.h"
 
+#include <hwy/aligned_allocator.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -21,9 +23,6 @@ using detail::PointsPerDraw;
 using detail::Stratum;
 using detail::TriangleTile;
 
-/// Cells along the side of a tile: its points (2 × 3 × 512 × 3 numbers) stay in the second-level cache.
-constexpr Eigen::Index kTileCells = 16;
-constexpr std::size_t kTileTriangles = 2 * kTileCells * kTileCells;
 /// Largest phase (rad) left to float arithmetic: half a unit in the last place is 2e-6 there, and errors of
 /// different points are independent.
 constexpr double kFloatPhase = 64;
@@ -61,50 +60,62 @@ struct TilePlace {
 std::vector<TilePlace> tile_places(const HeightField& surface) {
   const Eigen::Index cell_rows = surface.rows() - 1, cell_cols = surface.cols() - 1;
   std::vector<TilePlace> result;
-  for (Eigen::Index j = 0; j < cell_rows; j += kTileCells)
-    for (Eigen::Index i = 0; i < cell_cols; i += kTileCells)
-      result.push_back({j, i, std::min(kTileCells, cell_rows - j), std::min(kTileCells, cell_cols - i),
-                        static_cast<std::int64_t>(result.size()),
+  for (Eigen::Index j = 0; j < cell_rows; j += detail::kTileRows)
+    for (Eigen::Index i = 0; i < cell_cols; i += detail::kTileCols)
+      result.push_back({j, i, std::min(detail::kTileRows, cell_rows - j),
+                        std::min(detail::kTileCols, cell_cols - i), static_cast<std::int64_t>(result.size()),
                         j * kParts / cell_rows * kParts + i * kParts / cell_cols});
   return result;
 }
 
+/// Least and greatest height that is there, or 0, 0.
+struct HeightRange {
+  double low = 0, high = 0;
+};
+
+HeightRange height_range(const HeightField& piece) {
+  float low = INFINITY, high = -INFINITY;
+  for (Eigen::Index k = 0; k < piece.z.size(); ++k) {  // comparisons with NaN are false
+    const float z = piece.z.data()[k];
+    low = z < low ? z : low;
+    high = z > high ? z : high;
+  }
+  return low <= high ? HeightRange{low, high} : HeightRange{};
+}
+
 template <typename T>
-TriangleTile<T> make_tile(const Window& window, const HeightField& piece, const TilePlace& place,
-                          std::uint32_t number) {
+TriangleTile<T> make_tile(const Window& window, const HeightField& piece, const HeightRange& range,
+                          const TilePlace& place, std::uint32_t number) {
   TriangleTile<T> tile;
   const double dx = piece.dx, dy = piece.dy;
-  double low = INFINITY, high = -INFINITY;
-  for (const float z : piece.z.reshaped())
-    if (!is_missing(z)) low = std::min<double>(low, z), high = std::max<double>(high, z);
   const double middle_x = static_cast<double>(place.cols) / 2, middle_y = static_cast<double>(place.rows) / 2,
-               middle_z = low <= high ? (low + high) / 2 : 0;
+               middle_z = (range.low + range.high) / 2;
   tile.centre = {(static_cast<double>(place.col) + middle_x) * dx,
                  (static_cast<double>(place.row) + middle_y) * dy, middle_z};
-  tile.first_index =
-      (static_cast<std::uint64_t>(number) << 40) + static_cast<std::uint64_t>(place.number) * kTileTriangles;
-  const auto arrays = {&tile.x,  &tile.y,  &tile.z,  &tile.bx, &tile.by,
-                       &tile.cx, &tile.cy, &tile.zx, &tile.zy, &tile.weight};
-  for (auto* array : arrays)
-    array->reserve(kTileTriangles);
+  tile.first_index = (static_cast<std::uint64_t>(number) << 40) +
+                     static_cast<std::uint64_t>(place.number) * detail::kTileTriangles;
+  std::size_t n = 0;
   for (Eigen::Index j = 0; j < place.rows; ++j)
     for_each_triangle(piece, j, [&](const Triangle& t) {
       const double amplitude =
           window.taper.size() ? window.taper(place.row + t.a.y(), place.col + t.a.x()) : 1.0;
-      tile.x.push_back(static_cast<T>((t.a.x() - middle_x) * dx));
-      tile.y.push_back(static_cast<T>((t.a.y() - middle_y) * dy));
-      tile.z.push_back(static_cast<T>(piece.z(t.a.y(), t.a.x()) - middle_z));
-      tile.bx.push_back(static_cast<T>((t.b.x() - t.a.x()) * dx));
-      tile.by.push_back(static_cast<T>((t.b.y() - t.a.y()) * dy));
-      tile.cx.push_back(static_cast<T>((t.c.x() - t.a.x()) * dx));
-      tile.cy.push_back(static_cast<T>((t.c.y() - t.a.y()) * dy));
-      tile.zx.push_back(static_cast<T>(t.zx));
-      tile.zy.push_back(static_cast<T>(t.zy));
-      tile.weight.push_back(static_cast<T>(amplitude * dx * dy / 2));
+      tile.x[n] = static_cast<T>((t.a.x() - middle_x) * dx);
+      tile.y[n] = static_cast<T>((t.a.y() - middle_y) * dy);
+      tile.z[n] = static_cast<T>(piece.z(t.a.y(), t.a.x()) - middle_z);
+      tile.bx[n] = static_cast<T>((t.b.x() - t.a.x()) * dx);
+      tile.by[n] = static_cast<T>((t.b.y() - t.a.y()) * dy);
+      tile.cx[n] = static_cast<T>((t.c.x() - t.a.x()) * dx);
+      tile.cy[n] = static_cast<T>((t.c.y() - t.a.y()) * dy);
+      tile.zx[n] = static_cast<T>(t.zx);
+      tile.zy[n] = static_cast<T>(t.zy);
+      tile.weight[n] = static_cast<T>(amplitude * dx * dy / 2);
+      ++n;
     });
-  tile.count = (tile.x.size() + detail::kLanePadding - 1) / detail::kLanePadding * detail::kLanePadding;
-  for (auto* array : arrays)
-    array->resize(tile.count, static_cast<T>(0));
+  tile.count = (n + detail::kLanePadding - 1) / detail::kLanePadding * detail::kLanePadding;
+  for (auto* array :
+       {&tile.x, &tile.y, &tile.z, &tile.bx, &tile.by, &tile.cx, &tile.cy, &tile.zx, &tile.zy, &tile.weight})
+    std::fill(array->begin() + static_cast<std::ptrdiff_t>(n),
+              array->begin() + static_cast<std::ptrdiff_t>(tile.count), static_cast<T>(0));
   return tile;
 }
 
@@ -123,7 +134,7 @@ std::vector<DrawSums> tile_sums(const TriangleTile<T>& tile, std::span<const Vec
   std::vector<DrawSums> result(q.size());
   if (tile.count == 0) return result;
   const auto per_draw = static_cast<std::size_t>(points);
-  const auto drawn = hwy::AllocateAligned<T>(2 * per_draw * 3 * tile.count);
+  const auto drawn = hwy::AllocateAligned<T>(2 * per_draw * 3 * detail::kTileTriangles);
   std::vector<DrawSums> sums(q.size());
   for (const Stratum& stratum : cut) {
     detail::draw_points(tile, stratum, points, drawn.get());
@@ -152,15 +163,13 @@ std::vector<DrawSums> tile_sums(const Window& window, const TilePlace& place, st
                                 const FieldSampling& sampling) {
   const HeightField& s = window.surface;
   const HeightField piece{s.z.block(place.row, place.col, place.rows + 1, place.cols + 1), s.dx, s.dy, 0};
-  double low = 0, high = 0;
-  for (const float z : piece.z.reshaped())
-    if (!is_missing(z)) low = std::min<double>(low, z), high = std::max<double>(high, z);
+  const HeightRange range = height_range(piece);
   const Vec3 extent(static_cast<double>(place.cols) * s.dx, static_cast<double>(place.rows) * s.dy,
-                    high - low);
+                    range.high - range.low);
   const PointsPerDraw points = points_per_draw(sampling.draws);
   return largest.dot(extent) / 2 <= kFloatPhase
-             ? tile_sums(make_tile<float>(window, piece, place, sampling.window), q, cut, points)
-             : tile_sums(make_tile<double>(window, piece, place, sampling.window), q, cut, points);
+             ? tile_sums(make_tile<float>(window, piece, range, place, sampling.window), q, cut, points)
+             : tile_sums(make_tile<double>(window, piece, range, place, sampling.window), q, cut, points);
 }
 
 /// Tiles in a row of one part, handed out together: [first, last) of the list of places.

@@ -43,7 +43,7 @@ struct DirectionEstimate {
 /// (|F̂|² is too large by Var F̂); n grows until the tolerance is met. All strata are independent,
 /// so the variance is the sum of the squared differences of the halves, stratum by stratum. All directions of
 /// one call share their random points: their errors are correlated. The result depends on the seed, not on
-/// the number of threads. Phases are kept relative to tiles of 16 × 16 cells, in float where they stay below
+/// the number of threads. Phases are kept relative to tiles of 8 × 16 cells, in float where they stay below
 /// 64 rad (rounding ≤ 1e-6 of the envelope √(D_local·max(D, D_local))) and in double elsewhere. `error` of
 /// the result is the relative error over the list, √(Σ standard_error² / ΣD²); cost counts points. Throws
 /// InputError if there is no triangle, or unless tolerance > 0 and q is finite.

@@ -8,7 +8,6 @@
 #ifndef MICRO_KIRCHHOFF_MONTE_CARLO_SHARED_
 #define MICRO_KIRCHHOFF_MONTE_CARLO_SHARED_
 #include <numbers>
-#include <type_traits>
 #endif
 
 HWY_BEFORE_NAMESPACE();
@@ -88,7 +87,7 @@ void draw(const TriangleTile<T>& tile, const Stratum& stratum, PointsPerDraw poi
   const hn::ScalableTag<T> d;
   using V = hn::Vec<decltype(d)>;
   const std::size_t lanes = hn::Lanes(d);
-  std::vector<std::uint32_t> words(4 * tile.count);
+  std::array<std::uint32_t, 4 * kTileTriangles> words;
   random_block(stratum.seed, stratum.stream, tile.first_index, tile.count, words.data());
   const auto one = hn::Set(d, static_cast<T>(1)), scale = hn::Set(d, static_cast<T>(stratum.scale)),
              beta0 = hn::Set(d, static_cast<T>(stratum.beta)),
@@ -122,67 +121,63 @@ void draw(const TriangleTile<T>& tile, const Stratum& stratum, PointsPerDraw poi
   }
 }
 
-/// cos πr and sin πr/r for |r| ≤ ½ by minimax polynomials in r²: errors 5e-8 and 3e-9 for float, 2e-10 and
-/// 3e-9 for double.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V cos_half_turns(D d, V r2) {
-  using T = hn::TFromD<D>;
-  const auto c = [d](double value) HWY_ATTR { return hn::Set(d, static_cast<T>(value)); };
-  if constexpr (std::is_same_v<T, float>) {
-    auto p = hn::MulAdd(c(0.21969679868861758), r2, c(-1.3318801612910596));
-    p = hn::MulAdd(p, r2, c(4.058411914173664));
-    p = hn::MulAdd(p, r2, c(-4.934792858675598));
-    return hn::MulAdd(p, r2, c(0.9999999534666705));
-  } else {
-    auto p = hn::MulAdd(c(-0.024396716608091666), r2, c(0.2349375589565052));
-    p = hn::MulAdd(p, r2, c(-1.3352120566690053));
-    p = hn::MulAdd(p, r2, c(4.058709164342983));
-    p = hn::MulAdd(p, r2, c(-4.9348021372283775));
-    return hn::MulAdd(p, r2, c(0.9999999997806517));
-  }
-}
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V sin_half_turns_over_r(D d, V r2) {
-  using T = hn::TFromD<D>;
-  const auto c = [d](double value) HWY_ATTR { return hn::Set(d, static_cast<T>(value)); };
-  auto p = hn::MulAdd(c(0.07722224911512875), r2, c(-0.5980464505777549));
-  p = hn::MulAdd(p, r2, c(2.5500316409380015));
-  p = hn::MulAdd(p, r2, c(-5.167706900208309));
-  return hn::MulAdd(p, r2, c(3.141592580569334));
-}
-
-/// Adds w·e^{−iπt}. Adding and taking away 1.5·2^(mantissa bits) rounds t to the whole number n; the lowest
-/// bit of the sum, shifted to the top, is the sign (−1)ⁿ.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE void add_phasor(D d, V t, V w, V& re, V& im) {
-  using T = hn::TFromD<D>;
-  const hn::RebindToUnsigned<D> du;
-  const auto magic = hn::Set(d, sizeof(T) == 4 ? static_cast<T>(0x1.8p23) : static_cast<T>(0x1.8p52));
-  const auto shifted = hn::Add(t, magic);
-  const auto r = hn::Sub(t, hn::Sub(shifted, magic));
-  const auto sign = hn::BitCast(d, hn::ShiftLeft<sizeof(T) * 8 - 1>(hn::BitCast(du, shifted)));
-  const auto signed_weight = hn::Xor(w, sign);
-  const auto r2 = hn::Mul(r, r);
-  re = hn::MulAdd(signed_weight, cos_half_turns(d, r2), re);
-  im = hn::NegMulAdd(signed_weight, hn::Mul(r, sin_half_turns_over_r(d, r2)), im);
-}
+/// Minimax polynomials in r² of cos πr and of sin πr/r for |r| ≤ ½, highest power first: errors 5e-8 and
+/// 3e-9.
+constexpr double kCosine[] = {0.21969679868861758, -1.3318801612910596, 4.058411914173664, -4.934792858675598,
+                              0.9999999534666705};
+constexpr double kSine[] = {0.07722224911512875, -0.5980464505777549, 2.5500316409380015, -5.167706900208309,
+                            3.141592580569334};
 
 template <class V>
 struct Phasor {
   V re, im;
 };
 
-/// The sum of w·e^{−iπt} over the points of one draw in as many triangles as there are lanes.
+/// Σ w·e^{−iπt} over the points of one draw in as many triangles as there are lanes. Adding and taking away
+/// 1.5·2^(mantissa bits) rounds t to the whole number n; the lowest bit of the sum, shifted to the top, is
+/// the sign (−1)ⁿ. The points go through each step together, so that the steps of one fill the waits of the
+/// other.
 template <int kPoints, class D, class V = hn::Vec<D>, typename T = hn::TFromD<D>>
 HWY_INLINE Phasor<V> draw_sum(D d, const T* HWY_RESTRICT p, V tx, V ty, V tz, V w) {
+  const hn::RebindToUnsigned<D> du;
   const std::size_t lanes = hn::Lanes(d);
-  V re = hn::Zero(d), im = hn::Zero(d);
-  for (int point = 0; point < kPoints; ++point, p += 3 * lanes)
-    add_phasor(d,
-               hn::MulAdd(hn::Load(d, p), tx,
-                          hn::MulAdd(hn::Load(d, p + lanes), ty, hn::Mul(hn::Load(d, p + 2 * lanes), tz))),
-               w, re, im);
-  return {re, im};
+  const auto set = [d](double value) HWY_ATTR { return hn::Set(d, static_cast<T>(value)); };
+  const V magic = set(sizeof(T) == 4 ? 0x1.8p23 : 0x1.8p52);
+  const auto each = [](auto&& step) HWY_ATTR {
+    step(0);
+    if constexpr (kPoints == 3) {
+      step(1);
+      step(2);
+    }
+  };
+  V r[kPoints], r2[kPoints], weight[kPoints], cosine[kPoints], sine[kPoints];
+  each([&](int k) HWY_ATTR {
+    const T* point = p + 3 * k * lanes;
+    r[k] =
+        hn::MulAdd(hn::Load(d, point), tx,
+                   hn::MulAdd(hn::Load(d, point + lanes), ty, hn::Mul(hn::Load(d, point + 2 * lanes), tz)));
+  });
+  each([&](int k) HWY_ATTR {
+    const V shifted = hn::Add(r[k], magic);
+    weight[k] = hn::Xor(w, hn::BitCast(d, hn::ShiftLeft<sizeof(T) * 8 - 1>(hn::BitCast(du, shifted))));
+    r[k] = hn::Sub(r[k], hn::Sub(shifted, magic));
+  });
+  each([&](int k) HWY_ATTR { r2[k] = hn::Mul(r[k], r[k]); });
+  each([&](int k) HWY_ATTR {
+    cosine[k] = hn::MulAdd(set(kCosine[0]), r2[k], set(kCosine[1]));
+    sine[k] = hn::MulAdd(set(kSine[0]), r2[k], set(kSine[1]));
+  });
+  for (int power = 2; power < 5; ++power)
+    each([&](int k) HWY_ATTR {
+      cosine[k] = hn::MulAdd(cosine[k], r2[k], set(kCosine[power]));
+      sine[k] = hn::MulAdd(sine[k], r2[k], set(kSine[power]));
+    });
+  V re = hn::Mul(weight[0], cosine[0]), im = hn::Mul(hn::Mul(weight[0], r[0]), sine[0]);
+  for (int k = 1; k < kPoints; ++k) {
+    re = hn::MulAdd(weight[k], cosine[k], re);
+    im = hn::MulAdd(hn::Mul(weight[k], r[k]), sine[k], im);
+  }
+  return {re, hn::Neg(im)};
 }
 
 template <int kPoints, typename T>

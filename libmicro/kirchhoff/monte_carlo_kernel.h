@@ -1,19 +1,20 @@
 #pragma once
 
-#include <hwy/aligned_allocator.h>
-
 #include <array>
 #include <complex>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/grid.h"
 
 // The two inner loops of monte_carlo.h, compiled for every instruction set and picked at run time.
 namespace micro::detail {
 
-/// Arrays are padded to a multiple of this, at least the lanes of any vector.
+/// Cells of a tile: its points (2 × 3 × 256 × 3 floats) stay in the first-level cache.
+constexpr Eigen::Index kTileRows = 8, kTileCols = 16;
+constexpr std::size_t kTileTriangles = 2 * kTileRows * kTileCols;
+
+/// The number of triangles is padded to a multiple of this, at least the lanes of any vector.
 constexpr std::size_t kLanePadding = 64;
 
 /// A handful of neighbouring triangles, one array entry each, T = float or double. A point of a triangle is
@@ -25,7 +26,7 @@ struct TriangleTile {
   std::size_t count = 0;  ///< padded
   Vec3 centre;
   std::uint64_t first_index = 0;  ///< random counter of the first triangle; lower 32 bits never wrap
-  std::vector<T> x, y, z, bx, by, cx, cy, zx, zy, weight;
+  std::array<T, kTileTriangles> x, y, z, bx, by, cx, cy, zx, zy, weight;
 };
 
 /// One of the n² similar triangles that a triangle is cut into: barycentric coordinates (β, γ) = offset +
