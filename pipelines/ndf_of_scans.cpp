@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <mutex>
 #include <sstream>
 
 #include "core/error.h"
@@ -12,6 +14,7 @@
 #include "height/statistics.h"
 #include "height/triangles.h"
 #include "io/sha256.h"
+#include "kirchhoff/spectral.h"
 #include "ndf/normal_counts.h"
 #include "pipelines/thumbnail.h"
 
@@ -23,6 +26,8 @@ struct ScanNdf {
   DiskTable density;
   std::int64_t samples = 0, outside = 0, without_normal = 0;
   std::optional<double> truncation_error;
+  std::optional<ErrorSample> kirchhoff_error;
+  std::int64_t unreached = 0;  // tables of D_K that missed their tolerance
   double seconds = 0;
 };
 
@@ -55,21 +60,90 @@ ScanNdf compute(const Filtered& filtered, const HeightField& surface, const Disk
   return ndf;
 }
 
-ScanNdf compute(const NdfMethod& method, const HeightField& surface, const DiskGrid& grid) {
+/// One D_K solver for each thread that works on scans, kept from scan to scan with its memory and plans.
+class Solvers {
+ public:
+  Solvers(const DiskGrid& grid, const Kirchhoff& kirchhoff) : grid_(grid), kirchhoff_(kirchhoff) {}
+
+  KirchhoffTable operator()(const HeightField& surface) {
+    std::unique_ptr<SpectralSolver> solver = take();
+    KirchhoffTable table = (*solver)(surface);
+    const std::scoped_lock lock(mutex_);
+    idle_.push_back(std::move(solver));
+    return table;
+  }
+
+ private:
+  std::unique_ptr<SpectralSolver> take() {
+    const std::scoped_lock lock(mutex_);
+    if (idle_.empty())
+      return std::make_unique<SpectralSolver>(grid_, kirchhoff_.lambda_q, kirchhoff_.tolerance);
+    std::unique_ptr<SpectralSolver> solver = std::move(idle_.back());
+    idle_.pop_back();
+    return solver;
+  }
+
+  DiskGrid grid_;
+  Kirchhoff kirchhoff_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<SpectralSolver>> idle_;
+};
+
+/// One method on one grid, ready for any number of scans.
+struct Estimator {
+  NdfMethod method;
+  DiskGrid grid;
+  std::unique_ptr<Solvers> solvers;  // of D_K, else null
+
+  Estimator(const NdfMethod& what, const DiskGrid& where) : method(what), grid(where) {
+    if (const auto* kirchhoff = std::get_if<Kirchhoff>(&what.kind))
+      solvers = std::make_unique<Solvers>(where, *kirchhoff);
+  }
+};
+
+ScanNdf compute(const Kirchhoff& kirchhoff, const HeightField& surface, const Estimator& estimator) {
+  ScanNdf ndf;
+  ndf.density = make_disk_table(estimator.grid);
+  ndf.kirchhoff_error = ErrorSample{};
+  double area = 0;
+  for (const Window& window : coherent_windows(surface, kirchhoff.coherence)) {
+    const KirchhoffTable table = (*estimator.solvers)(window.surface);
+    const double weight = effective_area(window);
+    ndf.density.density += weight * table.table.density;
+    area += weight;
+    *ndf.kirchhoff_error += table.error;
+    ndf.unreached += table.reached ? 0 : 1;
+    ++ndf.samples;
+  }
+  if (area > 0) ndf.density.density /= area;
+  return ndf;
+}
+
+ScanNdf compute(const Naive& naive, const HeightField& surface, const Estimator& estimator) {
+  return compute(naive, surface, estimator.grid);
+}
+
+ScanNdf compute(const Filtered& filtered, const HeightField& surface, const Estimator& estimator) {
+  return compute(filtered, surface, estimator.grid);
+}
+
+ScanNdf compute(const HeightField& surface, const Estimator& estimator) {
   const Stopwatch stopwatch;
-  ScanNdf ndf = std::visit([&](const auto& kind) { return compute(kind, surface, grid); }, method.kind);
+  ScanNdf ndf =
+      std::visit([&](const auto& kind) { return compute(kind, surface, estimator); }, estimator.method.kind);
   ndf.seconds = stopwatch.seconds();
   return ndf;
 }
 
-/// sinθ beyond which half vectors ask for more than the pitch resolves; a geometric NDF has its facets' own
-/// slopes.
-double valid_sin_theta(const NdfMethod&) {
-  return 1;
+/// sinθ of the half vectors that a pitch resolves: a geometric NDF has its facets' own slopes, D_K needs half
+/// a fringe from point to point [λ_q/(4·pitch)].
+double valid_sin_theta(const NdfMethod& method, double pitch) {
+  const auto* kirchhoff = std::get_if<Kirchhoff>(&method.kind);
+  return kirchhoff ? std::min(1., kirchhoff->lambda_q / (4 * pitch)) : 1;
 }
 
-ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const std::vector<DiskGrid>& grids,
-                    bool thumbnail) {
+ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request,
+                    const std::vector<Estimator>& estimators, bool thumbnail) {
   ScanOutcome outcome;
   ScanRecord& record = outcome.record;
   record.source = scan.source;
@@ -95,7 +169,7 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const std
     if (!(outcome.area > 0)) throw FileError(scan.path, "has no three neighbouring points, so no surface");
     for (std::size_t m = 0; m < request.methods.size(); ++m) {
       try {
-        outcome.ndfs[m] = compute(request.methods[m], surface, grids[m]);
+        outcome.ndfs[m] = compute(surface, estimators[m]);
         if (outcome.ndfs[m]->samples == 0) outcome.refusals[m] = "no point's neighbours determine a plane";
       } catch (const FileError&) {
         throw;
@@ -146,33 +220,78 @@ class PitchGroups {
   std::vector<PitchGroup> groups_;
 };
 
-/// The grid of each method: as asked, or what holds the energy of a few scans spread over the listing.
-std::vector<DiskGrid> choose_grids(const ScanListing& listing, const NdfRequest& request) {
+/// The larger pitch of the first scan that can be read, µm.
+std::optional<double> pitch_of(const ScanListing& listing, const NdfRequest& request) {
+  for (const ListedScan& scan : listing.scans)
+    try {
+      const HeightField surface = read_scan(scan.path, request.prepare.read).surface;
+      return std::max(surface.dx, surface.dy);
+    } catch (const InputError&) {
+      continue;  // it is reported when its turn comes
+    }
+  return std::nullopt;
+}
+
+/// All of the disk that the data can tell of: D_K ends where the grid of points throws its first false order.
+double whole_extent(const NdfMethod& method, std::optional<double> pitch) {
+  const auto* kirchhoff = std::get_if<Kirchhoff>(&method.kind);
+  return kirchhoff && pitch ? std::min(1., kirchhoff->lambda_q / (2 * *pitch)) : 1;
+}
+
+std::vector<Estimator> make_estimators(const NdfRequest& request, const std::vector<DiskGrid>& grids) {
+  std::vector<Estimator> estimators;
+  for (std::size_t m = 0; m < grids.size(); ++m)
+    estimators.emplace_back(request.methods[m], grids[m]);
+  return estimators;
+}
+
+/// Half widths that hold the energy of a few scans spread over the listing.
+std::vector<double> survey(const ScanListing& listing, const NdfRequest& request,
+                           const std::vector<double>& whole) {
   constexpr std::size_t kSurveyed = 8;
+  constexpr int kCoarse = 257;
   constexpr double kEnergy = 0.999, kMargin = 1.25;  // the margin is for what other scans may hold
-  const DiskGrid whole{request.size, 1};
-  if (request.extent)
-    return std::vector<DiskGrid>(request.methods.size(), DiskGrid{request.size, *request.extent});
-  std::vector<double> extents(request.methods.size(), 0.);
+  NdfRequest brief = request;
+  brief.statistics = NdfRequest::Statistics::LeaveOut;
+  std::vector<DiskGrid> grids;
+  for (const double extent : whole)
+    grids.push_back({std::min(request.size, kCoarse), extent});
+  const std::vector<Estimator> estimators = make_estimators(brief, grids);
+  std::vector<double> extents(whole.size(), 0.);
   const std::size_t surveyed = std::min(kSurveyed, listing.scans.size());
-  NdfRequest survey = request;
-  survey.statistics = NdfRequest::Statistics::LeaveOut;
   parallel_in_order(
       static_cast<std::int64_t>(surveyed),
       [&](std::int64_t k) {
         const std::size_t scan = static_cast<std::size_t>(k) * listing.scans.size() / surveyed;
-        return look_at(listing.scans[scan], survey, std::vector<DiskGrid>(request.methods.size(), whole),
-                       false);
+        return look_at(listing.scans[scan], brief, estimators, false);
       },
       [&](std::int64_t, const ScanOutcome& outcome) {
         for (std::size_t m = 0; m < extents.size(); ++m)
           if (outcome.ndfs[m])
-            extents[m] = std::max(extents[m],
-                                  std::min(1., kMargin * extent_holding(outcome.ndfs[m]->density, kEnergy)));
+            extents[m] = std::max(extents[m], kMargin * extent_holding(outcome.ndfs[m]->density, kEnergy));
       });
+  for (std::size_t m = 0; m < extents.size(); ++m)
+    extents[m] = extents[m] > 0 ? std::min(whole[m], extents[m]) : whole[m];
+  return extents;
+}
+
+/// The grid of each method.
+std::vector<DiskGrid> choose_grids(const ScanListing& listing, const NdfRequest& request) {
+  std::vector<double> extents;
+  if (const auto* extent = std::get_if<double>(&request.extent)) {
+    extents.assign(request.methods.size(), *extent);
+  } else {
+    const bool needs_pitch =
+        std::any_of(request.methods.begin(), request.methods.end(),
+                    [](const NdfMethod& method) { return std::holds_alternative<Kirchhoff>(method.kind); });
+    const std::optional<double> pitch = needs_pitch ? pitch_of(listing, request) : std::nullopt;
+    for (const NdfMethod& method : request.methods)
+      extents.push_back(whole_extent(method, pitch));
+    if (std::holds_alternative<HoldsEnergy>(request.extent)) extents = survey(listing, request, extents);
+  }
   std::vector<DiskGrid> grids;
   for (const double extent : extents)
-    grids.push_back({request.size, extent > 0 ? extent : 1});
+    grids.push_back({request.size, extent});
   return grids;
 }
 
@@ -180,7 +299,9 @@ std::vector<DiskGrid> choose_grids(const ScanListing& listing, const NdfRequest&
 struct Accumulator {
   NdfOfScans ndf;
   TableMean mean;
-  std::int64_t outside_count = 0;
+  std::int64_t outside_count = 0, unreached = 0;
+  std::optional<ErrorSample> kirchhoff_error;
+  double pitch = 0;  // the largest, µm
   std::map<std::string, std::int64_t> refusals;
 
   Accumulator(const NdfMethod& method, const DiskGrid& grid) : mean(grid) { ndf.method = method; }
@@ -195,6 +316,12 @@ struct Accumulator {
     ndf.without_normal += scan.without_normal;
     if (scan.truncation_error)
       ndf.truncation_error = std::max(ndf.truncation_error.value_or(0), *scan.truncation_error);
+    if (scan.kirchhoff_error) {
+      if (!kirchhoff_error) kirchhoff_error.emplace();
+      *kirchhoff_error += *scan.kirchhoff_error;
+    }
+    unreached += scan.unreached;
+    pitch = std::max({pitch, outcome.record.dx, outcome.record.dy});
     ndf.seconds += scan.seconds;
   }
 
@@ -204,7 +331,10 @@ struct Accumulator {
     ndf.scans = mean.count();
     ndf.area = mean.weight();
     ndf.outside = ndf.samples > 0 ? static_cast<double>(outside_count) / static_cast<double>(ndf.samples) : 0;
-    ndf.valid_sin_theta = valid_sin_theta(ndf.method);
+    if (pitch > 0) ndf.valid_sin_theta = valid_sin_theta(ndf.method, pitch);
+    if (kirchhoff_error)
+      ndf.rel_error = std::max(kirchhoff_error->error(), kirchhoff_error->error_core_free());
+    ndf.unreached = unreached;
     return std::move(ndf);
   }
 };
@@ -267,7 +397,10 @@ Stage stage_of(const NdfOfScans& ndf, const std::map<std::string, std::int64_t>&
     refused += (refused.empty() ? "" : "; ") + count(scans, "scan") + " left out: " + reason;
   if (ndf.scans == 0)
     return left_out(ndf.method.name + " NDF", refused.empty() ? "no scan could be used" : refused);
-  std::string done = count(ndf.scans, "scan") + ", " + count(ndf.samples, "normal");
+  const bool kirchhoff = std::holds_alternative<Kirchhoff>(ndf.method.kind);
+  std::string done =
+      count(ndf.scans, "scan") + ", " + count(ndf.samples, kirchhoff ? "coherent window" : "normal");
+  if (ndf.unreached > 0) done += ", " + std::to_string(ndf.unreached) + " of them missed the tolerance";
   if (ndf.without_normal > 0) done += ", " + count(ndf.without_normal, "point") + " without a normal";
   return ran(ndf.method.name + " NDF", done + (refused.empty() ? "" : "; " + refused));
 }
@@ -282,15 +415,15 @@ std::string filtered_name(double sigma) {
 }
 
 std::string_view estimator_of(const NdfMethod& method) {
+  if (std::holds_alternative<Kirchhoff>(method.kind)) return "spectral";
   return std::holds_alternative<Naive>(method.kind) ? "triangles" : "plane fits";
 }
 
 NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
                        const std::function<void(const Progress&)>& report) {
-  const std::vector<DiskGrid> grids = choose_grids(listing, request);
+  const std::vector<Estimator> estimators = make_estimators(request, choose_grids(listing, request));
   std::vector<Accumulator> accumulators;
-  for (std::size_t m = 0; m < request.methods.size(); ++m)
-    accumulators.emplace_back(request.methods[m], grids[m]);
+  for (const Estimator& estimator : estimators) accumulators.emplace_back(estimator.method, estimator.grid);
 
   NdfResult result;
   PitchGroups pitches;
@@ -298,7 +431,8 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
   parallel_in_order(
       total,
       [&](std::int64_t k) {
-        return look_at(listing.scans[static_cast<std::size_t>(k)], request, grids, k < request.thumbnails);
+        return look_at(listing.scans[static_cast<std::size_t>(k)], request, estimators,
+                       k < request.thumbnails);
       },
       [&](std::int64_t k, ScanOutcome outcome) {
         if (!outcome.record.failure) {

@@ -10,6 +10,7 @@
 #include "distribution/disk_table.h"
 #include "distribution/signature.h"
 #include "io/png.h"
+#include "kirchhoff/coherence.h"
 #include "pipelines/plan.h"
 #include "pipelines/prepare_scan.h"
 #include "pipelines/scan_listing.h"
@@ -24,16 +25,23 @@ struct Filtered {
   double sigma = 1;  ///< µm
 };
 
+/// The Kirchhoff distribution D_K [Dong15 Eq. 6] at one |q| = 4π/λ_q, by the spectral estimator.
+struct Kirchhoff {
+  double lambda_q = 0.555;  ///< µm
+  double tolerance = 1e-3;  ///< relative L2 error of D over the table, and without its coherent core
+  Coherence coherence = WholePatch{};  ///< WholePatch or SubWindows
+};
+
 /// One table to compute, and the name of its group under /ndf.
 struct NdfMethod {
-  std::string name;  ///< "naive", "filtered", "filtered_2um"
-  std::variant<Naive, Filtered> kind;
+  std::string name;  ///< "naive", "filtered", "filtered_2um", "kirchhoff"
+  std::variant<Naive, Filtered, Kirchhoff> kind;
 };
 
 /// The name of a filtered NDF: "filtered" for the paper's σ = 1 µm, else with its σ, "filtered_2um".
 std::string filtered_name(double sigma);
 
-/// How a method's table comes about: "triangles" or "plane fits".
+/// How a method's table comes about: "triangles", "plane fits" or "spectral".
 std::string_view estimator_of(const NdfMethod& method);
 
 /// An instrument signature and what to call the tables that it blurred.
@@ -42,11 +50,17 @@ struct NamedSignature {
   Signature signature;
 };
 
+/// How far out a table goes: all that the data can tell (for D_K that ends at the first false order, sinθ =
+/// λ_q/(2·pitch)), what holds the energy, or a half width in m_xy.
+struct WholeDisk {};
+struct HoldsEnergy {};
+using Extent = std::variant<WholeDisk, HoldsEnergy, double>;
+
 /// Everything that decides the outcome of a run; what is absent is neither computed nor stored.
 struct NdfRequest {
   std::vector<NdfMethod> methods;
-  int size = 1025;               ///< nodes along a side of the disk table
-  std::optional<double> extent;  ///< half width of the table in m_xy; absent: what holds the energy
+  int size = 1025;  ///< nodes along a side of the disk table
+  Extent extent = WholeDisk{};
   Preparation prepare;
   std::optional<NamedSignature> signature;
   enum class Pitches { MustAgree, MayDiffer } pitches = Pitches::MustAgree;
@@ -76,6 +90,7 @@ struct NdfOfScans {
   std::int64_t samples = 0;                ///< normals counted
   std::int64_t without_normal = 0;         ///< points whose neighbours determine no plane
   std::optional<double> truncation_error;  ///< bound on a slope's error from cutting the window
+  std::int64_t unreached = 0;              ///< tables of D_K that missed their tolerance
   double valid_sin_theta = 1;              ///< beyond it the pitch does not resolve the surface
   double rel_error = 0;                    ///< relative error of the estimator; 0: exact but for rounding
   double seconds = 0;                      ///< of computing it, summed over scans

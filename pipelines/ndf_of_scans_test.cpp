@@ -8,9 +8,11 @@
 #include "core/parallel.h"
 #include "height/gaussian_surface.h"
 #include "height/make_holes.h"
+#include "height/triangles.h"
 #include "io/hdf5_reader.h"
 #include "io/npy.h"
 #include "io/zygo_dat.h"
+#include "kirchhoff/exact.h"
 #include "ndf/normal_counts.h"
 #include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
@@ -136,12 +138,44 @@ TEST_F(Scans, AnUnresolvedSigmaIsLeftOutWithTheReason) {
 
 TEST_F(Scans, AutomaticExtentHoldsTheEnergy) {
   NdfRequest automatic = request();
-  automatic.extent.reset();
+  automatic.extent = HoldsEnergy{};
   const NdfResult result = run(automatic);
   const NdfOfScans& filtered = named(result, "filtered");
   EXPECT_LT(filtered.density.grid.extent, 0.9);
   EXPECT_GE(normalization(filtered.density), 0.999);
   EXPECT_NEAR(normalization(filtered.density), 1 - filtered.outside, 1e-9);
+}
+
+TEST_F(Scans, KirchhoffIsTheMeanOverPatchesOfTheExactDensity) {
+  NdfRequest waves = request();
+  waves.methods = {{"kirchhoff", Kirchhoff{.lambda_q = 0.555, .tolerance = 1e-3}}};
+  const NdfResult result = run(waves);
+  const NdfOfScans& kirchhoff = named(result, "kirchhoff");
+  EXPECT_EQ(kirchhoff.density.grid.extent, 1);  // λ_q/(2·pitch) = 1.39
+  EXPECT_NEAR(kirchhoff.valid_sin_theta, 0.555 / 0.8, 1e-6);
+  EXPECT_LE(kirchhoff.rel_error, 1e-3);
+  EXPECT_EQ(kirchhoff.unreached, 0);
+  double squares = 0, differences = 0;
+  for (const auto& [j, i] : {std::pair{32, 32}, std::pair{30, 36}, std::pair{40, 28}, std::pair{20, 32}}) {
+    const double x = kirchhoff.density.grid.coordinate(i), y = kirchhoff.density.grid.coordinate(j);
+    double sum = 0, area = 0;
+    for (int k = 0; k < 3; ++k) {
+      const HeightField surface =
+          level(read_scan(scans() / ("scan" + std::to_string(k) + ".dat")).surface, Level::Plane);
+      const double a = projected_area(surface);
+      sum += a * exact_density(surface, wave_vector(Vec3(x, y, std::sqrt(1 - x * x - y * y)), 0.555));
+      area += a;
+    }
+    squares += std::pow(sum / area, 2);
+    differences += std::pow(sum / area - kirchhoff.density.density(j, i), 2);
+  }
+  EXPECT_LE(std::sqrt(differences / squares), 1e-2);  // four nodes of a table whose L2 error is 1e-3
+}
+
+TEST_F(Scans, KirchhoffOfACoarseGridEndsAtItsFirstFalseOrder) {
+  NdfRequest waves = request();
+  waves.methods = {{"kirchhoff", Kirchhoff{.lambda_q = 0.2, .tolerance = 1e-2}}};
+  EXPECT_NEAR(named(run(waves), "kirchhoff").density.grid.extent, 0.5, 1e-6);
 }
 
 TEST_F(Scans, SignatureKeepsTheMassAndWidens) {

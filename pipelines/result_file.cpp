@@ -92,6 +92,13 @@ void write_ndf(Hdf5Writer& file, const NdfOfScans& ndf) {
     set("without_normal", ndf.without_normal);
     set("slope_truncation_error", ndf.truncation_error.value_or(0));
   }
+  if (const auto* kirchhoff = std::get_if<Kirchhoff>(&ndf.method.kind)) {
+    set("lambda_q_um", kirchhoff->lambda_q);
+    set("tolerance", kirchhoff->tolerance);
+    set("missed_tolerance", ndf.unreached);
+    if (const auto* windows = std::get_if<SubWindows>(&kirchhoff->coherence))
+      set("coherence_area_um2", windows->area);
+  }
   if (ndf.signature) set("signature", std::string_view(*ndf.signature));
 }
 

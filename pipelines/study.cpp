@@ -18,11 +18,11 @@ constexpr double kThreshold = 6;
 
 /// All of a study's tables stand on one grid: the widest that any of them needs.
 NdfRequest on_common_grid(const ScanListing& listing, NdfRequest request) {
-  if (request.extent) return request;
+  if (!std::holds_alternative<HoldsEnergy>(request.extent)) return request;
   double extent = 0;
   for (const NdfOfScans& ndf : ndf_of_scans(listing, request, ignore).ndfs)
     extent = std::max(extent, ndf.density.grid.extent);
-  request.extent = extent > 0 ? extent : 1;
+  request.extent = extent > 0 ? extent : 1.;
   return request;
 }
 

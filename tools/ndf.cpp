@@ -30,8 +30,8 @@ Run add_ndf(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_option("SCAN", options->scans, "Scans, or directories of scans")->required();
   app.add_option("-o,--output", options->output, "HDF5 file to write")->required();
-  app.add_option("--method", options->methods, "naive or filtered; repeatable")
-      ->check(CLI::IsMember({"naive", "filtered"}))
+  app.add_option("--method", options->methods, "naive, filtered or kirchhoff; repeatable")
+      ->check(CLI::IsMember({"naive", "filtered", "kirchhoff"}))
       ->allow_extra_args(false)
       ->capture_default_str();
   add_ndf_options(app, options->ndf);

@@ -1,6 +1,8 @@
 #include "tools/ndf_options.h"
 
 #include <algorithm>
+#include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iomanip>
@@ -34,15 +36,52 @@ NamedSignature make_signature(const std::string& text) {
   return {name.str(), gaussian_signature(fwhm)};
 }
 
-std::optional<double> make_extent(const std::string& text) {
-  if (text == "auto") return std::nullopt;
+Extent make_extent(const std::string& text) {
+  if (text.empty()) return WholeDisk{};
+  if (text == "auto") return HoldsEnergy{};
   try {
     std::size_t end = 0;
     const double extent = std::stod(text, &end);
     if (end == text.size() && extent > 0 && extent <= 1) return extent;
   } catch (const std::exception&) {
+    // falls through to the sentence below
   }
   throw CLI::ValidationError("--extent: '" + text + "' is neither 'auto' nor a number in (0, 1]");
+}
+
+/// patch, an area in µm² or source:ANGLE, the full diameter of a round source at wavelength λ.
+Coherence make_coherence(const std::string& text, double lambda) {
+  if (text == "patch") return WholePatch{};
+  constexpr std::string_view kSource = "source:";
+  if (text.starts_with(kSource))
+    return SubWindows{coherence_area(lambda, parse_angle(text.substr(kSource.size())))};
+  try {
+    std::size_t end = 0;
+    const double area = std::stod(text, &end);
+    if (end == text.size() && area > 0 && std::isfinite(area)) return SubWindows{area};
+  } catch (const std::exception&) {
+    // falls through to the sentence below
+  }
+  throw CLI::ValidationError("--coherence: '" + text + "' is not patch, an area in µm², or source:ANGLE");
+}
+
+Kirchhoff make_kirchhoff(const NdfOptions& options) {
+  const double lambda_q =
+      options.lambda > 0 ? options.lambda / std::cos(options.theta_d / 2) : options.lambda_q;
+  if (!(lambda_q > 0)) throw CLI::ValidationError("--lambda-q: a wavelength must be positive");
+  if (!(options.tolerance > 0 && options.tolerance < 1))
+    throw CLI::ValidationError("--tol: must lie in (0, 1)");
+  return {lambda_q, options.tolerance,
+          make_coherence(options.coherence, options.lambda > 0 ? options.lambda : lambda_q)};
+}
+
+/// The whole patch has the plain name; a coherence area gets a group of its own.
+std::string kirchhoff_name(const NdfOptions& options) {
+  if (options.coherence == "patch") return "kirchhoff";
+  std::string name = "kirchhoff_";
+  for (const char letter : options.coherence)
+    if (letter != ':') name += letter;
+  return std::isdigit(static_cast<unsigned char>(options.coherence.front())) ? name + "um2" : name;
 }
 
 }  // namespace
@@ -58,9 +97,10 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
       ->type_name("LENGTH")
       ->allow_extra_args(false);
   app.add_option("--size", options.size, "Nodes along a side of the disk table, odd")->capture_default_str();
-  app.add_option("--extent", options.extent,
-                 "Half width of the table in m_xy, in (0, 1], or 'auto': what holds the energy")
-      ->capture_default_str();
+  app.add_option(
+      "--extent", options.extent,
+      "Half width of the table in m_xy, in (0, 1], or 'auto': what holds the energy (default: all of the "
+      "disk that the data can tell of)");
   app.add_option("--level", options.level, "Form to remove: none, mean, plane or quadratic")
       ->capture_default_str();
   app.add_option("--reject-outliers", options.outlier_threshold,
@@ -72,6 +112,18 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
       "--signature", options.signature,
       "Also write every NDF convolved with the instrument's signature: the full width at half maximum of a "
       "Gaussian in half-vector angle, e.g. 1.5deg, or a file of rows `angle_deg response`");
+  add_length(app, "--lambda-q", options.lambda_q,
+             "Effective wavelength of D_K, lambda/cos(theta_d/2) (default 555nm)");
+  CLI::Option* lambda =
+      add_length(app, "--lambda", options.lambda, "Wavelength of light, instead of --lambda-q");
+  add_angle(app, "--theta-d", options.theta_d,
+            "Full angle between light and viewer, with --lambda (default 0)")
+      ->needs(lambda);
+  app.add_option("--tol", options.tolerance, "Relative L2 error of D_K's table")->capture_default_str();
+  app.add_option(
+         "--coherence", options.coherence,
+         "Coherence area of D_K: patch, an area in µm², or source:9deg, the diameter of a round source")
+      ->capture_default_str();
   add_pitch(app, options.read);
   app.add_flag("--mixed", options.mixed, "Take scans of different pitch together");
 }
@@ -80,7 +132,7 @@ NdfRequest make_request(const NdfOptions& options, const std::vector<std::string
   NdfRequest request;
   request.size = options.size;
   request.extent = make_extent(options.extent);
-  make_disk_table({request.size, request.extent.value_or(1)});  // refuses a table that cannot be
+  make_disk_table({request.size, 1});  // refuses a table that cannot be
   const std::optional<Level> level = level_from_name(options.level);
   if (!level)
     throw CLI::ValidationError("--level: '" + options.level + "' is not none, mean, plane or quadratic");
@@ -95,6 +147,7 @@ NdfRequest make_request(const NdfOptions& options, const std::vector<std::string
     if (!(sigma > 0)) throw CLI::ValidationError("--sigma: the window must be wider than nothing");
   for (const std::string& method : methods) {
     if (method == "naive") request.methods.push_back({"naive", Naive{}});
+    if (method == "kirchhoff") request.methods.push_back({kirchhoff_name(options), make_kirchhoff(options)});
     if (method == "filtered")
       for (const double sigma : sigmas)
         request.methods.push_back({filtered_name(sigma), Filtered{sigma}});

@@ -14,18 +14,23 @@ namespace micro::tools {
 struct NdfOptions {
   std::vector<double> sigmas;  ///< µm
   int size = 1025;
-  std::string extent = "1";
+  std::string extent;  ///< empty: the whole disk
   std::string level = "plane";
   std::optional<double> outlier_threshold;
   bool fill_holes = false;
   bool mixed = false;
   std::string signature;
+  double lambda_q = 0.555;  ///< µm
+  double lambda = 0;        ///< µm, with theta_d instead of lambda_q; 0: lambda_q says it
+  double theta_d = 0;       ///< radians
+  double tolerance = 1e-3;
+  std::string coherence = "patch";
   ReadOptions read;
 };
 
 void add_ndf_options(CLI::App& app, NdfOptions& options);
 
-/// The request that the options and the method names (naive, filtered) make.
+/// The request that the options and the method names (naive, filtered, kirchhoff) make.
 /// Throws CLI::ValidationError or InputError, with a sentence, if they make none.
 NdfRequest make_request(const NdfOptions& options, const std::vector<std::string>& methods);
 

@@ -10,7 +10,7 @@
 namespace micro::tools {
 namespace {
 
-constexpr std::array kStages = {"naive", "filtered", "statistics", "pictures", "report"};
+constexpr std::array kStages = {"naive", "filtered", "kirchhoff", "statistics", "pictures", "report"};
 
 struct Options {
   CommonOptions common;
@@ -24,7 +24,7 @@ int run(const Options& options) {
     return std::find(options.without.begin(), options.without.end(), stage) == options.without.end();
   };
   std::vector<std::string> methods;
-  for (const char* method : {"naive", "filtered"})
+  for (const char* method : {"naive", "filtered", "kirchhoff"})
     if (wants(method)) methods.emplace_back(method);
   if (methods.empty()) throw CLI::ValidationError("--without leaves nothing to do");
   NdfRequest request = make_request(options.ndf, methods);
@@ -39,7 +39,8 @@ int run(const Options& options) {
   const OutputLock lock(output);
   NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
   for (const std::string& stage : options.without)
-    if (stage == "naive" || stage == "filtered" || stage == "pictures" || stage == "report")
+    if (stage == "naive" || stage == "filtered" || stage == "kirchhoff" || stage == "pictures" ||
+        stage == "report")
       result.plan.push_back({Stage::Outcome::LeftOut, stage, "--without"});
   if (!result.ndfs.empty()) {
     if (wants("pictures")) {
@@ -64,7 +65,7 @@ Run add_run(CLI::App& app) {
   app.add_option("DIR", options->directory, "Directory of scans, read recursively")->required();
   app.add_option("-o,--output", options->output, "Folder for result.h5, pictures and report.md")->required();
   app.add_option("--without", options->without,
-                 "Stages to leave out: naive, filtered, statistics, pictures, report")
+                 "Stages to leave out: naive, filtered, kirchhoff, statistics, pictures, report")
       ->delimiter(',')
       ->check(CLI::IsMember(std::vector<std::string>(kStages.begin(), kStages.end())));
   add_ndf_options(app, options->ndf);

@@ -68,6 +68,10 @@ Run add_study(CLI::App& app) {
   // What the study varies itself is not for the user to set.
   for (const char* name : {"--sigma", "--reject-outliers", "--fill-holes"})
     filters->remove_option(filters->get_option(name));
+  // Both are about the filtered NDF.
+  for (CLI::App* study : {sigma, filters})
+    for (const char* name : {"--theta-d", "--lambda", "--lambda-q", "--tol", "--coherence"})
+      study->remove_option(study->get_option(name));
   return [=] {
     if (filters->parsed())
       return conclude(study_filters(listing_of(*filter_options), make_request(filter_options->ndf, {})),
