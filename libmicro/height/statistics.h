@@ -42,9 +42,9 @@ struct TextureDirection {
   double anisotropy;  ///< (λ₁ − λ₂)/(λ₁ + λ₂): 0 isotropic, 1 ideal grooves; NaN if flat or without cells
 };
 
-/// Below this anisotropy a direction would be chance: a scan of a few hundred correlation areas scatters by
-/// nearly as much.
-inline constexpr double kLeastAnisotropy = 0.1;
+/// Below this anisotropy no direction is given: an isotropic scan of some seventy correlation areas scatters
+/// by nearly as much.
+inline constexpr double kLeastAnisotropy = 0.25;
 
 TextureDirection texture_direction(const HeightField& surface);
 

@@ -1,0 +1,172 @@
+// `microbrdf synth` and `microbrdf info` as people and programs call them.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "io/scan.h"
+#include "io/temporary_folder_test.h"
+
+namespace micro::tools {
+namespace {
+
+class ScanTools : public ::testing::Test {
+ protected:
+  struct Outcome {
+    int code;
+    std::string out;  ///< stdout
+    std::string err;  ///< stderr
+  };
+  Outcome run(const std::string& arguments) const {
+    const std::string command = std::string(MICROBRDF_PROGRAM) + " " + arguments + " 2>" + file("err");
+    std::FILE* pipe = ::popen(command.c_str(), "r");
+    std::string text;
+    std::array<char, 256> part;
+    while (std::fgets(part.data(), static_cast<int>(part.size()), pipe))
+      text += part.data();
+    return {WEXITSTATUS(::pclose(pipe)), text, content("err")};
+  }
+  std::string file(const std::string& name) const { return (folder.path() / name).string(); }
+  std::string content(const std::string& name) const {
+    std::ifstream in(file(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  TemporaryFolder folder;
+};
+
+constexpr const char* kSmall = " --rows 30 --cols 40 ";
+
+TEST_F(ScanTools, SynthMakesEveryKindInEveryFormat) {
+  for (const char* kind : {"gaussian", "multiscale", "brushed", "sinusoid", "blazed", "two-level", "plane",
+                           "step", "facet --side 1um"})
+    for (const char* name : {"a.dat", "a.h5", "a.npy"}) {
+      const Outcome made = run(std::string("synth ") + kind + kSmall + "-o " + file(name));
+      ASSERT_EQ(made.code, 0) << kind << made.err;
+      const Scan scan = read_scan(file(name), {.pitch_x = 0.11, .pitch_y = {}});
+      EXPECT_EQ(scan.surface.rows(), 30);
+      EXPECT_EQ(scan.surface.cols(), 40);
+      EXPECT_NEAR(scan.surface.dx, 0.11, 1e-9);
+    }
+}
+
+TEST_F(ScanTools, SynthTakesOnlyWhatAppliesToItsKind) {
+  for (const char* wrong :
+       {"gaussian --depth 1um", "plane --periodic", "step --rms 1um", "sinusoid --tau 1um",
+        "gaussian --tau 1 --tau-x 2 --tau-y 3", "gaussian --tau-x 2", "gaussian --tau 2 --orientation 1deg",
+        "blazed --depth 1 --blaze 3deg", "wavy", ""}) {
+    const Outcome outcome = run(std::string("synth ") + wrong + kSmall + "-o " + file("a.dat"));
+    EXPECT_EQ(outcome.code, 2) << wrong << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(file("a.dat")));
+  }
+  for (const char* wrong : {"gaussian --pitch 0", "gaussian --pitch -1um", "gaussian -o a.xyz"})
+    EXPECT_EQ(run(std::string("synth ") + wrong +
+                  (std::string(wrong).ends_with("xyz") ? "" : " -o " + file("a.dat")))
+                  .code,
+              2)
+        << wrong;
+  for (const char* wrong : {"gaussian --rows 0", "gaussian --tau 0", "gaussian --holes 1.5",
+                            "brushed --width 0", "facet --side 1nm", "sinusoid --period 0.7um --periodic"}) {
+    const Outcome outcome = run(std::string("synth ") + wrong + " -o " + file("a.dat"));
+    EXPECT_EQ(outcome.code, 3) << wrong << outcome.err;
+    EXPECT_FALSE(outcome.err.empty());
+  }
+}
+
+TEST_F(ScanTools, SynthDependsOnTheSeedAlone) {
+  const std::string common = std::string("synth brushed --holes 0.05 --hole-radius 0.3um") + kSmall;
+  ASSERT_EQ(run(common + "--seed 7 --threads 1 -o " + file("a.dat")).code, 0);
+  ASSERT_EQ(run(common + "--seed 7 --threads 3 -o " + file("b.dat")).code, 0);
+  ASSERT_EQ(run(common + "--seed 8 -o " + file("c.dat")).code, 0);
+  EXPECT_EQ(content("a.dat"), content("b.dat"));
+  EXPECT_NE(content("a.dat"), content("c.dat"));
+}
+
+TEST_F(ScanTools, TheFixturesAreWhatTheirRecipeMakes) {
+  const std::string testdata = MICRO_SOURCE_DIR "/testdata";
+  ASSERT_EQ(
+      std::system(
+          (testdata + "/make.sh " MICROBRDF_PROGRAM " " + folder.path().string() + " >/dev/null").c_str()),
+      0);
+  int fixtures = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(testdata)) {
+    if (entry.path().extension() != ".dat") continue;
+    ++fixtures;
+    std::ifstream in(entry.path(), std::ios::binary);
+    EXPECT_EQ(content(entry.path().filename().string()), std::string(std::istreambuf_iterator<char>(in), {}))
+        << entry.path();
+  }
+  EXPECT_EQ(fixtures, 4);
+}
+
+TEST_F(ScanTools, InfoSaysWhatItMeasures) {
+  ASSERT_EQ(run("synth plane --tilt-x 10deg --pitch 0.2um,0.1um --holes 0.1" + std::string(kSmall) + "-o " +
+                file("a.h5"))
+                .code,
+            0);
+  const Outcome outcome = run("info --json --level none " + file("a.h5"));
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto scan = nlohmann::json::parse(outcome.out)["scans"][0];
+  EXPECT_EQ(scan["source"], file("a.h5"));
+  EXPECT_EQ(scan["format"], "microbrdf-hdf5");
+  EXPECT_EQ(scan["rows"], 30);
+  EXPECT_EQ(scan["cols"], 40);
+  EXPECT_NEAR(scan["dx_um"], 0.2, 1e-12);
+  EXPECT_NEAR(scan["dy_um"], 0.1, 1e-12);
+  EXPECT_GT(scan["missing"], 50);
+  EXPECT_LT(scan["missing"], 200);
+  const double slope = std::tan(10 * 3.14159265358979 / 180);
+  constexpr double kFloat = 1e-5;
+  EXPECT_NEAR(scan["Sdq"], slope, kFloat);
+  EXPECT_NEAR(scan["Sdr"], std::sqrt(1 + slope * slope) - 1, kFloat);
+  EXPECT_NEAR(scan["max_um"].get<double>() - scan["min_um"].get<double>(), slope * 39 * 0.2, kFloat);
+  EXPECT_NEAR(scan["Sz_um"], slope * 39 * 0.2, kFloat);
+  EXPECT_TRUE(scan["direction_rad"].is_null());
+  for (const char* key : {"mean_um", "rms_um", "Sq_um", "Sa_um", "Ssk", "Sku", "Sal_um", "Str",
+                          "tau_along_um", "tau_across_um"})
+    EXPECT_TRUE(scan.contains(key)) << key;
+  EXPECT_FALSE(scan.contains("filled"));
+}
+
+TEST_F(ScanTools, InfoLevelsAPlaneByDefaultAndReportsRepairs) {
+  ASSERT_EQ(run("synth plane --tilt-x 10deg --holes 0.1" + std::string(kSmall) + "-o " + file("a.h5")).code,
+            0);
+  const auto scan = nlohmann::json::parse(
+      run("info --json --fill-holes --reject-outliers " + file("a.h5")).out)["scans"][0];
+  EXPECT_LE(scan["Sq_um"].get<double>(), 1e-6);
+  EXPECT_EQ(scan["filled"], scan["missing"]);
+  EXPECT_EQ(scan["rejected"], 0);
+  EXPECT_GT(scan["rms_um"], 0.1);  // as in the file
+}
+
+TEST_F(ScanTools, InfoGoesOnAfterABadFile) {
+  ASSERT_EQ(run("synth step" + std::string(kSmall) + "-o " + file("good.dat")).code, 0);
+  std::ofstream(file("bad.dat")) << "this is no scan";
+  Outcome outcome = run("info " + file("bad.dat") + " " + file("good.dat") + " " + file("none.dat"));
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_NE(outcome.err.find("bad.dat"), std::string::npos);
+  EXPECT_NE(outcome.err.find("none.dat"), std::string::npos);
+  EXPECT_NE(outcome.out.find("good.dat"), std::string::npos);
+  outcome = run("info --json " + file("bad.dat") + " " + file("good.dat"));
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["scans"].size(), 1u);
+  EXPECT_EQ(json["failed"][0]["source"], file("bad.dat"));
+  EXPECT_EQ(run("info " + file("bad.dat")).code, 3);
+  EXPECT_EQ(run("info").code, 2);
+}
+
+TEST_F(ScanTools, InfoOfNothingButHolesIsNull) {
+  ASSERT_EQ(run("synth plane --holes 1" + std::string(kSmall) + "-o " + file("a.h5")).code, 0);
+  const auto json = nlohmann::json::parse(run("info --json " + file("a.h5")).out);
+  EXPECT_TRUE(json["scans"][0]["Sq_um"].is_null());
+  EXPECT_TRUE(json["scans"][0]["min_um"].is_null());
+  EXPECT_EQ(run("info --fill-holes " + file("a.h5")).code, 3);
+}
+
+}  // namespace
+}  // namespace micro::tools
