@@ -36,7 +36,7 @@ double sample(const Autocorrelation& acf, double i, double j) {
   const auto [col, u] = cell(i + reach, acf.rho.cols());
   const auto [row, v] = cell(j, acf.rho.rows());
   const auto mix = [](double t, double a, double b) { return t > 0 ? (1 - t) * a + t * b : a; };
-  const auto along_row = [&](Eigen::Index r) {
+  const auto along_row = [&acf, &mix, u = u, col = col](Eigen::Index r) {
     return mix(u, acf.rho(r, col), u > 0 ? acf.rho(r, col + 1) : 0.);
   };
   return mix(v, along_row(row), v > 0 ? along_row(row + 1) : 0.);
