@@ -61,7 +61,7 @@ Change apply(Repair repair, HeightField& surface) {
   return {repair.changed, repair.largest_change};
 }
 
-/// Reads a scan; rejects outliers, fills holes and levels as asked; measures.
+/// Reads a scan; rejects outliers, levels and fills holes as asked; measures.
 Description describe(const std::filesystem::path& path, const Options& options, const ReadOptions& reading) {
   Scan scan = read_scan(path, reading);
   HeightField& surface = scan.surface;
@@ -74,13 +74,13 @@ Description describe(const std::filesystem::path& path, const Options& options, 
   d.as_read = height_range(surface);
   try {
     if (options.reject_outliers) d.rejected = apply(reject_outliers(surface), surface);
+    surface = level(std::move(surface), options.level);
     if (options.fill_holes) d.filled = apply(fill_holes(surface), surface);
   } catch (const FileError&) {
     throw;
   } catch (const InputError& error) {
     throw FileError(path, error.what());
   }
-  surface = level(std::move(surface), options.level);
   d.height = height_parameters(surface);
   d.Sdq = Sdq(surface);
   d.Sdr = Sdr(surface);

@@ -45,17 +45,22 @@ Grid<float> distances_from_median(const HeightField& surface, Eigen::Index radiu
   return distance;
 }
 
-double sigma_of(const Grid<float>& distance) {
-  std::vector<float> values;
-  values.reserve(static_cast<std::size_t>(distance.size()));
-  for (const float d : distance.reshaped<Eigen::RowMajor>())
-    if (!is_missing(d)) values.push_back(d);
-  if (values.empty()) return 0;
-  if (const double middle = median(values); middle > 0) return kMedianToSigma * middle;
+/// Robust standard deviation of distances from a median; reorders its argument.
+double sigma_of(std::vector<float>& distances) {
+  if (distances.empty()) return 0;
+  if (const double middle = median(distances); middle > 0) return kMedianToSigma * middle;
   double sum = 0;
-  for (const float d : values)
+  for (const float d : distances)
     sum += d;
-  return kMeanToSigma * sum / static_cast<double>(values.size());
+  return kMeanToSigma * sum / static_cast<double>(distances.size());
+}
+
+double surface_sigma(const Grid<float>& distance) {
+  std::vector<float> distances;
+  distances.reserve(static_cast<std::size_t>(distance.size()));
+  for (const float d : distance.reshaped<Eigen::RowMajor>())
+    if (!is_missing(d)) distances.push_back(d);
+  return sigma_of(distances);
 }
 
 double window_sigma(const HeightField& surface, Eigen::Index j, Eigen::Index i, Eigen::Index radius) {
@@ -64,7 +69,7 @@ double window_sigma(const HeightField& surface, Eigen::Index j, Eigen::Index i, 
   const float middle = median(window);
   for (float& z : window)
     z = std::abs(z - middle);
-  return kMedianToSigma * median(window);
+  return sigma_of(window);
 }
 
 }  // namespace
@@ -72,7 +77,7 @@ double window_sigma(const HeightField& surface, Eigen::Index j, Eigen::Index i, 
 Repair reject_outliers(const HeightField& surface, const OutlierRule& rule) {
   Repair repair{surface};
   const Grid<float> distance = distances_from_median(surface, rule.radius);
-  const double sigma = sigma_of(distance);
+  const double sigma = surface_sigma(distance);
   for (Eigen::Index j = 0; j < surface.rows(); ++j)
     for (Eigen::Index i = 0; i < surface.cols(); ++i) {
       const double d = distance(j, i);

@@ -12,7 +12,8 @@ struct Repair {
 };
 
 /// Fills each hole with the harmonic surface over it: Laplace's equation ∂²z/∂x² + ∂²z/∂y² = 0 in five-point
-/// differences, the valid neighbours given, no slope across the image border. `largest_change` is the largest
+/// differences, the valid neighbours given, no slope across the image border (so level first: under a
+/// tilt that border would bend what it fills). `largest_change` is the largest
 /// distance of a filled height from the surface's mean, µm. The cost grows with the number of missing points
 /// alone. Throws InputError if no point has a height.
 Repair fill_holes(const HeightField& surface);
@@ -23,11 +24,11 @@ struct OutlierRule {
 };
 
 /// Makes outliers missing. A point is one if it lies further from the median of the valid heights in its
-/// window than `threshold` robust standard deviations: the larger of 1.4826 × the median absolute deviation
-/// inside that window and 1.4826 × the median over the whole surface of the distances from the local median
-/// (1.2533 × their mean if that median is 0, as on quantised heights). Points with fewer than four neighbours
-/// are left alone; a clump that fills half a window is no outlier. `largest_change` is the largest distance
-/// from the local median that was rejected, µm.
+/// window than `threshold` robust standard deviations, both of that window's heights about their median and
+/// of all points' distances from their local medians. The robust standard deviation is 1.4826 × the median
+/// distance, or 1.2533 × the mean distance where that median is 0 (grooves, quantised heights). Points with
+/// fewer than four neighbours are left alone; a clump that fills half a window is no outlier.
+/// `largest_change` is the largest distance from the local median that was rejected, µm.
 Repair reject_outliers(const HeightField& surface, const OutlierRule& rule = {});
 
 }  // namespace micro

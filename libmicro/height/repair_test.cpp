@@ -106,6 +106,21 @@ TEST(RejectOutliers, KeepsNormalNoiseSawtoothAndFlat) {
     EXPECT_EQ(reject_outliers(make_height_field(z, 1, 1)).changed, 0);
 }
 
+TEST(RejectOutliers, KeepsATiltedPlaneWithHoles) {
+  for (const double tilt : {0.02, 3.}) {
+    Grid<double> z(60, 70);
+    for (Eigen::Index k = 0; k < z.size(); ++k)
+      z(k) = random_uniform(1, 0, static_cast<std::uint64_t>(k))[0] < 0.2
+                 ? kMissing
+                 : tilt * static_cast<double>(k % 70) + 0.7 * tilt * static_cast<double>(k / 70);
+    EXPECT_EQ(reject_outliers(make_height_field(z, 1, 1)).changed, 0);
+    Grid<double> along_x = z;
+    for (Eigen::Index k = 0; k < z.size(); ++k)
+      along_x(k) = is_missing(static_cast<float>(z(k))) ? kMissing : tilt * static_cast<double>(k % 70);
+    EXPECT_EQ(reject_outliers(make_height_field(along_x, 1, 1)).changed, 0);
+  }
+}
+
 TEST(RejectOutliers, ASpikeOnAMirrorGoesAndLonelyPointsStay) {
   Grid<double> z = Grid<double>::Zero(30, 30);
   z(12, 13) = 1e-3;
