@@ -16,8 +16,10 @@ namespace {
 
 using std::numbers::pi;
 
-/// Terms whose spectra are held at once: bounds the memory.
-constexpr int kBatchTerms = 32;
+/// Bytes of spectra along x that are held at once, and terms (tables of φ_k and c_k grow with them and with
+/// the height range): what bounds the memory.
+constexpr std::int64_t kSpectraBytes = std::int64_t{1} << 27;
+constexpr std::int64_t kFewestTerms = 8, kMostTerms = 96;
 /// Grid rows transformed together, so that their spectra are written by cache lines.
 constexpr std::int64_t kRowGroup = 8;
 /// Groups of rows handed out together: the lattice rows at either end are spread twice.
@@ -79,12 +81,14 @@ struct Batch {
   int fields() const { return (terms() + 1) / 2; }
 };
 
-std::vector<Batch> make_batches(int terms, bool with_area) {
+/// `term_bytes`: of one term's spectra.
+std::vector<Batch> make_batches(int terms, bool with_area, std::int64_t term_bytes) {
+  const int most = static_cast<int>(std::clamp(kSpectraBytes / term_bytes, kFewestTerms, kMostTerms));
   std::vector<Batch> batches;
-  for (int first = 0; first < terms; first += kBatchTerms)
-    batches.push_back({first, std::min(kBatchTerms, terms - first), false});
+  for (int first = 0; first < terms; first += most)
+    batches.push_back({first, std::min(most, terms - first), false});
   if (with_area) {
-    if (batches.empty() || batches.back().count == kBatchTerms) batches.push_back({terms, 0, false});
+    if (batches.empty() || batches.back().count == most) batches.push_back({terms, 0, false});
     batches.back().with_area = true;
   }
   return batches;
@@ -121,8 +125,7 @@ CoefficientTable<Real> make_coefficient_table(const HeightBasis& basis, const Wa
                                               const Batch& batch, double tolerance) {
   CoefficientTable<Real> table;
   // The error of linear interpolation is (phase step)²/8.
-  table.entries =
-      static_cast<int>(std::ceil(basis.phase_reach() / std::sqrt(8 * std::min(tolerance, 1e-4) / 4))) + 16;
+  table.entries = static_cast<int>(std::ceil(basis.phase_reach() / std::sqrt(8 * tolerance / 10))) + 16;
   table.low = q.low;
   table.per_q = (table.entries - 1) / std::max(q.high - q.low, 1e-9 * q.high);
   table.fields = batch.fields();
@@ -357,7 +360,10 @@ DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, dou
   const HeightHistogram heights = height_histogram(surface);
   const double radius = std::sqrt(g.sphere);
   const WaveRange q = {radius * std::sqrt(std::max(0.0, 1 - 2 * grid.extent * grid.extent)), radius};
-  const HeightBasis basis(heights, 0, q, choice.basis_tolerance);
+  // |q|²·ψ competes with |q| in the area and with one per length in rims that are never denser than the
+  // pitch.
+  const double scale = std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
+  const HeightBasis basis(heights, 0, q, choice.basis_tolerance * scale);
   check_work(surface, lattice, basis.terms(), lambda_q);
 
   const ComplexFft<Real> fft({1, g.length, 1}, FftDirection::Forward);
@@ -375,13 +381,14 @@ DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, dou
   DiskDensity result;
   result.work = {basis.terms() + (lattice.complete() ? 0 : 1), g.length, 0, 0};
   clear_field(g, memory.field);
-  for (const Batch& batch : make_batches(basis.terms(), !lattice.complete())) {
+  const std::int64_t padded_rows = (g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup;
+  const std::int64_t term_bytes = (2 * g.half + 1) * padded_rows * static_cast<std::int64_t>(sizeof(Real));
+  for (const Batch& batch : make_batches(basis.terms(), !lattice.complete(), term_bytes)) {
     const FunctionTable<Real> functions = make_function_table<Real>(basis, heights, batch, g.sphere);
     const CoefficientTable<Real> coefficients =
         make_coefficient_table<Real>(basis, q, batch, choice.basis_tolerance);
     problem.functions = &functions;
-    RowSpectra<Real> spectra{(g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup, batch.fields(),
-                             memory.spectra};
+    RowSpectra<Real> spectra{padded_rows, batch.fields(), memory.spectra};
     const auto size = static_cast<std::size_t>((2 * g.half + 1) * spectra.fields * spectra.padded_rows);
     if (memory.spectra.size() < size) memory.spectra.resize(size);
     transform_rows(g, problem, fft, spectra);

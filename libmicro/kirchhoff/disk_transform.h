@@ -9,10 +9,10 @@ namespace micro {
 
 /// How finely a table is computed. Every one of them only trades time for error.
 struct SpectralChoice {
-  double basis_tolerance = 2.5e-4;  ///< of ψ's expansion (height_basis.h)
-  int subdivision = 1;              ///< of the triangles (quadrature_lattice.h)
-  int kernel_width = 6;             ///< of gridding, in grid points
-  double oversampling = 1.25;       ///< of the transform over the table, at least
+  double basis_tolerance = 1e-3;  ///< of ψ's expansion, relative: see height_basis.h
+  int subdivision = 1;            ///< of the triangles (quadrature_lattice.h)
+  int kernel_width = 6;           ///< of gridding, in grid points
+  double oversampling = 1.25;     ///< of the transform over the table, at least
   bool operator==(const SpectralChoice&) const = default;
 };
 

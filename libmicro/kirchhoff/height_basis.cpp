@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "core/parallel.h"
+
 namespace micro {
 namespace {
 
@@ -132,7 +134,7 @@ HeightBasis::HeightBasis(const HeightHistogram& heights, double origin, const Wa
 
 void HeightBasis::decompose(const HeightHistogram& heights, double tolerance) {
   // A height that the histogram's sample missed still has to come out: a floor under the weights.
-  constexpr double kFloor = 0.02;
+  constexpr double kFloor = 1e-3;
   const int n = resolving_degree(q_.high * half_);
   const int m = resolving_degree((q_.high - q_.low) / 2 * (half_ + std::abs(centre_ - origin_)));
   const Eigen::ArrayXd x = chebyshev_nodes(n), y = chebyshev_nodes(m);
@@ -155,7 +157,7 @@ void HeightBasis::decompose(const HeightHistogram& heights, double tolerance) {
     }
   // The squares of the singular values: half the digits, which is 1e-8 of the largest.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(samples * samples.transpose());  // ascending
-  const double allowed = m * tolerance * tolerance / (q_.high * q_.high);
+  const double allowed = m * tolerance * tolerance;
   double tail = 0;
   terms_ = n;
   while (terms_ > 0 && tail + std::max(0.0, eigen.eigenvalues()[n - terms_]) <= allowed) {
@@ -176,7 +178,7 @@ void HeightBasis::expand(double tolerance) {
   const std::vector<double> j = bessel_series(phase, all);
   terms_ = all;
   double tail = 0;
-  while (terms_ > static_cast<int>(phase) && tail + 2 * std::abs(j[terms_ - 1]) <= tolerance) {
+  while (terms_ > static_cast<int>(phase) && tail + 2 * std::abs(j[terms_ - 1]) <= tolerance * q_.high) {
     tail += 2 * std::abs(j[terms_ - 1]);
     --terms_;
   }
@@ -186,15 +188,18 @@ HeightBasis::Functions HeightBasis::functions(int n, int first, int count) const
   const double step = 2.0 / (n - 1);
   if (chebyshev_) {
     Functions f{Eigen::ArrayXXd(n, count), Eigen::ArrayXXd(n, count)};
-    for (int e = 0; e < n; ++e) {
-      const double angle = std::acos(std::clamp(-1 + step * e, -1.0, 1.0)), sine = std::sin(angle);
-      for (int c = 0; c < count; ++c) {
-        const double k = first + c;
-        const double end = e == 0 && (first + c) % 2 == 0 ? -k * k : k * k;
-        f.value(e, c) = std::cos(k * angle);
-        f.derivative(e, c) = step * (e == 0 || e == n - 1 ? end : k * std::sin(k * angle) / sine);
+    parallel_blocks(n, 256, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t e = begin; e < end; ++e) {
+        const double angle = std::acos(std::clamp(-1 + step * static_cast<double>(e), -1.0, 1.0)),
+                     sine = std::sin(angle);
+        for (int c = 0; c < count; ++c) {
+          const double k = first + c;
+          const double end_slope = e == 0 && (first + c) % 2 == 0 ? -k * k : k * k;
+          f.value(e, c) = std::cos(k * angle);
+          f.derivative(e, c) = step * (e == 0 || e == n - 1 ? end_slope : k * std::sin(k * angle) / sine);
+        }
       }
-    }
+    });
     return f;
   }
   const Eigen::Index degree = function_series_.rows();
@@ -212,15 +217,18 @@ Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
   }
   // e^{−iq(d + half·x)} = e^{−iqd} Σ_k (2 − δ_k0)(−i)^k J_k(q·half) T_k(x), d = centre − origin.
   const Complex powers[4] = {1.0, {0, -1}, -1.0, {0, 1}};
-  for (int e = 0; e < n; ++e) {
-    const double q = std::max(q_.low + (q_.high - q_.low) * e / (n - 1), 1e-7 * q_.high);
-    const std::vector<double> j = bessel_series(q * half_, first + count);
-    const Complex shift = std::polar(1.0, -q * (centre_ - origin_));
-    for (int k = 0; k < count; ++k) {
-      const Complex series = (first + k == 0 ? 1.0 : 2.0) * powers[(first + k) % 4] * j[first + k] * shift;
-      c(e, k) = (series - (first + k == 0 ? 1.0 : 0.0)) / q;
+  parallel_blocks(n, 256, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t e = begin; e < end; ++e) {
+      const double q =
+          std::max(q_.low + (q_.high - q_.low) * static_cast<double>(e) / (n - 1), 1e-7 * q_.high);
+      const std::vector<double> j = bessel_series(q * half_, first + count);
+      const Complex shift = std::polar(1.0, -q * (centre_ - origin_));
+      for (int k = 0; k < count; ++k) {
+        const Complex series = (first + k == 0 ? 1.0 : 2.0) * powers[(first + k) % 4] * j[first + k] * shift;
+        c(e, k) = (series - (first + k == 0 ? 1.0 : 0.0)) / q;
+      }
     }
-  }
+  });
   return c;
 }
 

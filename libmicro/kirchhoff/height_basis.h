@@ -32,7 +32,7 @@ struct WaveRange {
 /// polynomial: π/2 times as many terms.
 class HeightBasis {
  public:
-  /// Keeps as many terms as it takes to bring the root mean square of ψ's error below `tolerance`/q.high.
+  /// Keeps as many terms as it takes to bring the root mean square of ψ's error below `tolerance` µm.
   HeightBasis(const HeightHistogram& heights, double origin, const WaveRange& q, double tolerance);
 
   int terms() const { return terms_; }

@@ -115,4 +115,22 @@ void QuadratureLattice::fill_inner_row(Eigen::Index j, int b, LatticeRow& row) c
   }
 }
 
+double rim_fraction(const HeightField& surface) {
+  std::int64_t triangles = 0, shared = 0;
+  const auto there = [&](Eigen::Index j, Eigen::Index i) { return !is_missing(surface.z(j, i)); };
+  for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j)
+    for (Eigen::Index i = 0; i + 1 < surface.cols(); ++i) {
+      const bool diagonal = there(j, i) && there(j + 1, i + 1);
+      const bool lower = diagonal && there(j, i + 1), upper = diagonal && there(j + 1, i);
+      triangles += lower + upper;
+      shared += lower && upper;
+      // Across the lower triangle's vertical edge lies the next cell's upper one; across the upper triangle's
+      // horizontal edge, the lower one of the cell above. Each shares two corners and needs a third.
+      if (lower && i + 2 < surface.cols()) shared += there(j + 1, i + 2);
+      if (upper && j + 2 < surface.rows()) shared += there(j + 2, i + 1);
+    }
+  const std::int64_t edges = 3 * triangles - shared;
+  return edges > 0 ? static_cast<double>(edges - shared) / static_cast<double>(edges) : 0;
+}
+
 }  // namespace micro

@@ -58,4 +58,8 @@ class QuadratureLattice {
   Grid<std::uint8_t> lower_, upper_;
 };
 
+/// Fraction of the triangulation's edges that belong to the rim or to a hole's: one triangle is there, the
+/// other is not.
+double rim_fraction(const HeightField& surface);
+
 }  // namespace micro

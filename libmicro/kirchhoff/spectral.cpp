@@ -51,29 +51,55 @@ Slopes sample_slopes(const HeightField& surface) {
   return slopes;
 }
 
+/// What the subdivision depends on, `phase` = |q|·pitch.
+struct Demands {
+  double phase, sin_theta, rim, tol;
+};
+
 /// How finely triangles are cut. Three laws, the last two with constants measured against `exact`:
 /// - facets whose phase turns by more than a whole period of the lattice, |q|·√(1 + slope²)·d >
 /// 2π·subdivision, are
 ///   taken for gentler ones (they alias), so hardly any such facet may be left;
 /// - the midpoint rule's error grows as the fourth power of the phase across a sub-triangle, and as slope³;
-/// - Simpson's along the rim is what significant directions far from the peak see.
-int choose_subdivision(const Slopes& slopes, double phase, double sin_theta, double tol) {
+/// - along rims the in-plane phase alone counts: in the whole where rims are dense, and in the directions far
+/// from the
+///   peak (which have 30 times the tolerance) always.
+int choose_subdivision(const Slopes& slopes, const Demands& d) {
   const double slope = slopes.rms() / std::sqrt(2.0);
-  const double midpoint = phase * std::pow(1.5e-4 * slope * slope * slope * 3 / tol, 0.25);
-  const double rim = sin_theta * phase / 2.5 * std::pow(2e-3 / (25 * tol), 0.25);
-  int subdivision = std::max(1, static_cast<int>(std::ceil(std::max(midpoint, rim))));
+  const double midpoint = 38 * 1.5e-4 * slope * slope * slope;
+  const double rim = 1.7e-2 * d.rim * d.rim, far = 2e-3 * (1 + 3 * std::min(1.0, d.rim / 0.024));
+  const double in_plane = std::max(2 * rim / d.tol, far / (25 * d.tol));
+  const double finest =
+      std::max(std::pow(3 * midpoint / d.tol, 0.25), d.sin_theta * std::pow(in_plane, 0.25));
+  int subdivision = std::clamp(static_cast<int>(std::ceil(d.phase / 2.5 * finest)), 1, kMostSubdivision);
   const auto aliased = [&](int s) {
-    const double turns = 2 * std::numbers::pi * s / phase;
+    const double turns = 2 * std::numbers::pi * s / d.phase;
     // In-plane phases alone must stay within half a period.
-    if (turns < 2 * sin_theta) return 1.0;
+    if (turns < 2 * d.sin_theta) return 1.0;
     return turns > 1 ? slopes.fraction_above(std::sqrt(turns * turns - 1)) : 1.0;
   };
   // Cliffs are few and their light goes everywhere: beyond 4 the measured error decides.
-  while ((subdivision < 4 && aliased(subdivision) > 2 * tol) || aliased(subdivision) > 0.1) {
-    if (subdivision >= 4096) break;
+  constexpr int kMost = 4096;
+  while (subdivision < kMost && aliased(subdivision) > (subdivision < 4 ? 2 * d.tol : 0.1))
     ++subdivision;
-  }
   return subdivision;
+}
+
+/// Nodes whose exact values take some 15 % of a table's time: by operation counts, so that they are always
+/// the same.
+int checked_nodes(const HeightField& surface, const DiskGrid& grid, const SpectralChoice& choice,
+                  const SpectralWork& work) {
+  constexpr double kPoint = 1.0, kButterfly = 0.1, kNode = 10,
+                   kCell = 20;  // ns: term and point; FFT; node; exact cell
+  constexpr int kFewest = 3, kMost = 48;
+  const double cells = static_cast<double>(surface.rows()) * static_cast<double>(surface.cols());
+  const double length = static_cast<double>(work.fft_length),
+               nodes = static_cast<double>(grid.size) * grid.size;
+  const double points = cells * 4 * choice.subdivision * choice.subdivision * work.terms;
+  const double table = kPoint * points +
+                       kButterfly * static_cast<double>(work.transforms) * length * std::log2(length) +
+                       kNode * nodes;
+  return std::clamp(static_cast<int>(0.15 * table / (kCell * cells)), kFewest, kMost);
 }
 
 SpectralChoice refine(SpectralChoice choice) {
@@ -88,11 +114,12 @@ SpectralChoice refine(SpectralChoice choice) {
 SpectralChoice choose_spectral(const HeightField& surface, const DiskGrid& grid, double lambda_q,
                                double tol) {
   const double phase = 4 * std::numbers::pi / lambda_q * std::max(surface.dx, surface.dy);
+  const double sin_theta = std::min(1.0, grid.extent * std::numbers::sqrt2);
   SpectralChoice choice;
-  choice.basis_tolerance = tol;
+  choice.basis_tolerance = 0.6 * tol;
   choice.kernel_width = std::clamp(static_cast<int>(std::ceil(1.7 - 1.1 * std::log10(tol))), 3, kMostWidth);
-  choice.subdivision = choose_subdivision(sample_slopes(surface), phase,
-                                          std::min(1.0, grid.extent * std::numbers::sqrt2), tol);
+  choice.subdivision =
+      choose_subdivision(sample_slopes(surface), {phase, sin_theta, rim_fraction(surface), tol});
   return choice;
 }
 
@@ -123,7 +150,8 @@ KirchhoffTable SpectralSolver::operator()(const HeightField& surface, std::uint6
     result.table = std::move(density.table);
     result.work = density.work;
     result.cost.evaluations += density.work.transforms;
-    result.error = sample_error(surface, result.table, lambda_q_, tol_, kCheckedNodes, seed);
+    const int nodes = checked_nodes(surface, grid_, result.choice, density.work);
+    result.error = sample_error(surface, result.table, lambda_q_, tol_, nodes, seed);
     result.reached = result.error.within(tol_);
     const SpectralChoice finer = refine(result.choice);
     if (result.reached || finer == result.choice || attempt == kRefinements) break;
