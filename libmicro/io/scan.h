@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -10,8 +11,8 @@
 
 namespace micro {
 
-/// A file as the recogniser sees it: its name (for messages only, never for recognition), its size and its
-/// first bytes.
+/// A file as the recogniser sees it: its path (to look further into it, as HDF5 needs; the name says
+/// nothing), its size and its first bytes.
 struct FileHead {
   const std::filesystem::path& path;
   std::uintmax_t size;

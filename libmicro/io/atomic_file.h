@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+
+namespace micro {
+
+/// A file that is whole or absent: it is written beside its final name, brought to the disk and renamed.
+/// Whoever stops before commit() (an exception, a kill, a full disk) leaves the old file, or none, under that
+/// name.
+class AtomicFile {
+ public:
+  /// Makes an empty temporary file in the folder of `path`. Throws FileError if that cannot be done, or if
+  /// `path` is there and is no regular file. A symbolic link is followed: its target is replaced.
+  explicit AtomicFile(const std::filesystem::path& path);
+  ~AtomicFile();  ///< removes the temporary file unless it was committed
+  AtomicFile(AtomicFile&& other) noexcept;
+  AtomicFile& operator=(AtomicFile&&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& temporary() const { return temporary_; }
+
+  /// Flushes the temporary file to the disk and gives it the final name. Throws FileError.
+  void commit();
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path target_;  // path_ with symbolic links followed
+  std::filesystem::path temporary_;
+};
+
+/// Is this the name of an AtomicFile's temporary file?
+bool is_temporary(const std::filesystem::path& path);
+
+/// Writes the bytes as a whole file. Throws FileError.
+void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
+
+}  // namespace micro

@@ -1,0 +1,115 @@
+#include "io/digital_surf.h"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "io/bytes.h"
+
+namespace micro {
+namespace {
+
+using std::string_view;
+
+constexpr string_view kPlain = "DIGITAL SURF";
+constexpr string_view kCompressed = "DSCOMPRESSED";
+constexpr std::size_t kHeaderBytes = 512;
+
+/// Where the fields stand in the header, bytes.
+enum Offset : std::size_t {
+  kByteOrder = 12,      // i16: 0 PC, 257 Macintosh
+  kObjects = 14,        // i16
+  kType = 18,           // i16: 2 is a surface
+  kSpecialPoints = 86,  // i16
+  kBits = 98,           // i16
+  kZMin = 100,          // i32
+  kCols = 108,          // i32
+  kRows = 112,          // i32
+  kDx = 120,            // f32
+  kDy = 124,            // f32
+  kDz = 128,            // f32
+  kDxUnit = 180,        // char[16]
+  kDyUnit = 196,        // char[16]
+  kDzUnit = 212,        // char[16]
+  kCommentSize = 334,   // u16
+  kPrivateSize = 336,   // u16
+  kZOffset = 474,       // f32, in the unit of z
+};
+
+/// A unit of length in µm. Throws FileError if it is unknown.
+double micrometres(const FileBytes& file, Offset offset, const char* axis) {
+  constexpr std::size_t size = 16;
+  string_view unit = file.text().substr(offset, size);
+  unit = unit.substr(0, unit.find('\0'));
+  unit = unit.substr(0, unit.find_last_not_of(' ') + 1);
+  struct Unit {
+    string_view name;
+    double micrometres;
+  };
+  constexpr std::array units = {Unit{"m", 1e6},       Unit{"mm", 1e3},      Unit{"\xB5m", 1},  // Latin-1
+                                Unit{"\xC2\xB5m", 1}, Unit{"\xCE\xBCm", 1},  // UTF-8: micro sign, Greek mu
+                                Unit{"um", 1},        Unit{"nm", 1e-3}};
+  for (const Unit& candidate : units)
+    if (candidate.name == unit) return candidate.micrometres;
+  throw FileError(file.path(),
+                  "its unit along " + std::string(axis) + ", \"" + std::string(unit) + "\", is unknown");
+}
+
+template <typename T>
+HeightField read_points(const FileBytes& file, const std::byte* data, std::endian order, std::uint64_t rows,
+                        std::uint64_t cols, Pitch pitch, double step, double offset,
+                        std::optional<std::int64_t> missing) {
+  return read_height_field(file.path(), rows, cols, pitch, [=](Eigen::Index k) {
+    const T raw = load<T>(data + k * static_cast<Eigen::Index>(sizeof(T)), order);
+    return missing && raw == *missing ? std::numeric_limits<double>::quiet_NaN() : raw * step + offset;
+  });
+}
+
+}  // namespace
+
+bool is_digital_surf(const FileHead& head) {
+  return begins_with(head.bytes, kPlain) || begins_with(head.bytes, kCompressed);
+}
+
+HeightField read_digital_surf(const std::filesystem::path& path, const ReadOptions& options) {
+  const FileBytes file(path);
+  file.require(!begins_with(file.bytes(), kCompressed),
+               "is a compressed Digital Surf file; only plain ones are read");
+  file.require(file.size() >= kHeaderBytes, "is shorter than a Digital Surf header");
+  const auto byte_order = load<std::int16_t>(file.data() + kByteOrder, std::endian::little);
+  file.require(byte_order == 0 || byte_order == 257, "its byte order is unknown");
+  const std::endian order = byte_order == 0 ? std::endian::little : std::endian::big;
+  const auto integer = [&](Offset offset) { return load<std::int32_t>(file.data() + offset, order); };
+  const auto small = [&](Offset offset) { return load<std::int16_t>(file.data() + offset, order); };
+  const auto real = [&](Offset offset) -> double { return load<float>(file.data() + offset, order); };
+
+  file.require(small(kType) == 2, "is a Digital Surf file, but its object is no surface");
+  file.require(small(kObjects) <= 1, "holds several objects; files with one surface are read");
+  const int bits = small(kBits);
+  file.require(bits == 16 || bits == 32, "its points have neither 16 nor 32 bits");
+  file.require(integer(kCols) > 0 && integer(kRows) > 0, "holds no heights");
+  const auto cols = static_cast<std::uint64_t>(integer(kCols));
+  const auto rows = static_cast<std::uint64_t>(integer(kRows));
+  const std::uint64_t begin = kHeaderBytes + load<std::uint16_t>(file.data() + kCommentSize, order) +
+                              load<std::uint16_t>(file.data() + kPrivateSize, order);
+  const auto bytes_each = static_cast<std::uint64_t>(bits / 8);
+  file.require(begin <= file.size() && rows <= (file.size() - begin) / bytes_each / cols,
+               "is cut: its header promises more points than it has");
+
+  const Pitch pitch = file_pitch(
+      path, {real(kDx) * micrometres(file, kDxUnit, "x"), real(kDy) * micrometres(file, kDyUnit, "y")},
+      options);
+  const double unit = micrometres(file, kDzUnit, "z");
+  const double step = real(kDz) * unit, offset = real(kZOffset) * unit;
+  file.require(std::isfinite(step) && step != 0 && std::isfinite(offset), "its height scale makes no sense");
+  const auto missing = small(kSpecialPoints) == 1
+                           ? std::optional<std::int64_t>(std::int64_t{integer(kZMin)} - 2)
+                           : std::nullopt;
+  const auto read = bits == 16 ? read_points<std::int16_t> : read_points<std::int32_t>;
+  return read(file, file.data() + begin, order, rows, cols, pitch, step, offset, missing);
+}
+
+}  // namespace micro

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/grid.h"
+#include "io/atomic_file.h"
+
+namespace micro {
+
+/// Extents of a dataset, slowest axis first.
+using Shape = std::vector<std::size_t>;
+
+/// Writes one HDF5 file: whole or absent. Objects are named by their path ("/ndf/filtered/density"); groups
+/// on the way are made as needed. Only finish() gives the file its name, after the root attribute `complete`
+/// = 1: an HDF5 file that was cut still opens and looks valid. Every failure is a FileError that names the
+/// final file. Calls are serialised, so several threads may write several files.
+class Hdf5Writer {
+ public:
+  explicit Hdf5Writer(const std::filesystem::path& path);
+  ~Hdf5Writer();
+  Hdf5Writer(Hdf5Writer&& other) noexcept;
+  Hdf5Writer& operator=(Hdf5Writer&&) = delete;
+
+  /// Makes a group and those above it; nothing happens if it is there.
+  void create_group(const std::string& group);
+
+  /// Writes a dataset of float, double, uint8, int32, uint32, int64 or uint64, row-major. `deflate` 0 stores
+  /// it as it is, 1…9 in chunks of whole rows, shuffled and deflated.
+  template <typename T>
+  void write(const std::string& dataset, std::span<const T> values, const Shape& shape, int deflate = 0);
+  template <typename T>
+  void write(const std::string& dataset, const Grid<T>& values, int deflate = 0) {
+    write(dataset, std::span<const T>(values.data(), static_cast<std::size_t>(values.size())),
+          {static_cast<std::size_t>(values.rows()), static_cast<std::size_t>(values.cols())}, deflate);
+  }
+
+  /// Writes one UTF-8 string as a scalar dataset.
+  void write_text(const std::string& dataset, std::string_view text);
+
+  /// Writes attributes of a group or dataset that is there; an attribute that is there is replaced.
+  void set_attribute(const std::string& object, const std::string& name, std::string_view value);
+  void set_attribute(const std::string& object, const std::string& name, double value);
+  void set_attribute(const std::string& object, const std::string& name, std::span<const double> values);
+  void set_attribute(const std::string& object, const std::string& name, std::span<const std::string> values);
+  template <std::integral T>
+  void set_attribute(const std::string& object, const std::string& name, T value) {
+    set_integer_attribute(object, name, static_cast<std::int64_t>(value));
+  }
+
+  /// Makes a 1-D dataset a dimension scale called `label`.
+  void make_scale(const std::string& dataset, const std::string& label);
+
+  /// Attaches a scale to an axis of a dataset (0 is the slowest) and labels the axis `label`.
+  void attach_scale(const std::string& dataset, unsigned axis, const std::string& scale,
+                    const std::string& label);
+
+  /// Flushes, marks the file complete, closes it, brings it to the disk and gives it its name. Without it
+  /// nothing stays behind.
+  void finish();
+
+ private:
+  void set_integer_attribute(const std::string& object, const std::string& name, std::int64_t value);
+  void write_attribute(const std::string& object, const std::string& name, std::int64_t memory_type,
+                       std::int64_t file_type, std::int64_t space, const void* values);
+  void require(bool done, const std::string& what) const;
+
+  AtomicFile file_;
+  std::int64_t id_ = -1;  // HDF5's hid_t
+};
+
+}  // namespace micro

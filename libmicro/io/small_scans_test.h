@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "height/height_field.h"
+
+// Small scans for tests, made without the code under test.
+namespace micro {
+
+std::vector<std::byte> read_bytes(const std::filesystem::path& path);
+void write_bytes(const std::filesystem::path& path, const std::vector<std::byte>& bytes);
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+/// A MetroPro file: 4 columns, 3 rows, raw k·1000 − 3000 except raw 5, which is missing; 2 × 3 intensities in
+/// two buckets before them; S = 0.5, W = 0.5 µm, O = 2, pitch 0.25 µm.
+struct DatHeader {
+  int format = 1;
+  int phase_res = 1;
+  int sign = 0;
+  float lateral = 0.25e-6F;
+  float wavelength = 0.5e-6F;
+};
+std::vector<std::byte> small_dat(const DatHeader& header);
+
+/// A .datx: 3 rows, 4 columns; value k + 0.5, except value 5, which is missing.
+struct Datx {
+  int converter_fields = 3;  ///< 3 or 5
+  std::string unit = "NanoMeters";
+  std::string sub_unit = "Meters";
+  double pitch_x = 0.25e-6, pitch_y = 0.5e-6;
+  int surfaces = 1;
+  bool metadata = true;  ///< the graph names the last of them
+  bool hard_link = false;
+};
+void write_small_datx(const std::filesystem::path& path, const Datx& datx);
+
+/// Zygo ASCII, 3 columns, 2 rows: raw 32768, −32768, 0, missing, 65536, 1; S·W·O/R = 0.5·2e-6/32768 m; pitch
+/// 0.25 µm.
+std::string small_asc(const std::string& intensities, int sign = 0);
+/// Zygo XYZ of the same size at camera column 10, row 20.
+std::string small_xyz();
+
+/// Digital Surf of 3 columns and 2 rows: raw 10, 20, 30, 40, 50, and 8 = zmin − 2.
+struct Surf {
+  bool macintosh = false;
+  int bits = 16;
+  int special_points = 1;
+  std::string dz_unit = "nm";
+};
+std::vector<std::byte> small_surf(const Surf& surf);
+
+}  // namespace micro

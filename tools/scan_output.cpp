@@ -1,0 +1,98 @@
+#include "tools/scan_output.h"
+
+#include <array>
+#include <chrono>
+#include <ctime>
+#include <iomanip>
+#include <sstream>
+
+#include "io/microbrdf_hdf5.h"
+#include "io/npy.h"
+#include "io/zygo_dat.h"
+#include "pipelines/version.h"
+#include "tools/units.h"
+
+namespace micro::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string now_utc() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::array<char, sizeof "2000-01-01T00:00:00Z"> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text.data();
+}
+
+constexpr std::array kTargets = {
+    ScanTarget{".h5", kMicrobrdfHdf5.name.data(),
+               [](const fs::path& path, const HeightField& surface, const std::string& command) {
+                 write_microbrdf_hdf5(
+                     path, surface,
+                     {.version = std::string(version()), .created = now_utc(), .command = command});
+               }},
+    ScanTarget{".dat", kZygoDat.name.data(),
+               [](const fs::path& path, const HeightField& surface, const std::string&) {
+                 write_zygo_dat(path, surface);
+               }},
+    ScanTarget{".npy", kNpy.name.data(),
+               [](const fs::path& path, const HeightField& surface, const std::string&) {
+                 write_npy(path, surface);
+               }}};
+
+}  // namespace
+
+const ScanTarget& scan_target_of(const fs::path& output) {
+  for (const ScanTarget& target : kTargets)
+    if (output.extension() == target.suffix) return target;
+  throw CLI::ValidationError("--output", "'" + output.string() + "' should end in .h5, .dat or .npy");
+}
+
+std::string what_is_lost(const ScanTarget& target, const HeightField& surface) {
+  if (target.format != kNpy.name) return {};
+  std::ostringstream text;
+  text << std::setprecision(10) << "A .npy file has no place for the pitch: read it again with --pitch "
+       << surface.dx << "um," << surface.dy << "um\n";
+  return text.str();
+}
+
+std::string command_line_of(const CLI::App& app) {
+  std::string command =
+      app.get_parent() != nullptr ? command_line_of(*app.get_parent()) + " " + app.get_name() : "microbrdf";
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->count() == 0) continue;
+    if (!option->get_positional()) command += " " + option->get_name();
+    if (option->get_type_size() == 0) continue;  // a flag
+    for (const std::string& value : option->results())
+      command += " " + value;
+  }
+  return command;
+}
+
+CLI::Option* add_pitch(CLI::App& app, std::vector<std::string>& pitch, const std::string& help) {
+  return app.add_option("--pitch", pitch, help)->delimiter(',')->expected(1, 2)->type_name("LENGTH");
+}
+
+ReadOptions parse_pitch(const std::vector<std::string>& pitch) {
+  ReadOptions options;
+  if (!pitch.empty()) options.pitch_x = parse_length(pitch[0]);
+  if (pitch.size() > 1) options.pitch_y = parse_length(pitch[1]);
+  for (const auto& length : {options.pitch_x, options.pitch_y})
+    if (length && !(*length > 0)) throw CLI::ValidationError("--pitch", "must be positive");
+  return options;
+}
+
+CLI::Option* add_level(CLI::App& app, Level& target) {
+  std::vector<std::string> names;
+  for (const Level how : kLevels)
+    names.emplace_back(name_of(how));
+  return app
+      .add_option_function<std::string>(
+          "--level", [&target](const std::string& name) { target = *level_from_name(name); },
+          "What to subtract first (default: " + std::string(name_of(target)) + ")")
+      ->check(CLI::IsMember(names));
+}
+
+}  // namespace micro::tools
