@@ -423,7 +423,8 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
                        const std::function<void(const Progress&)>& report) {
   const std::vector<Estimator> estimators = make_estimators(request, choose_grids(listing, request));
   std::vector<Accumulator> accumulators;
-  for (const Estimator& estimator : estimators) accumulators.emplace_back(estimator.method, estimator.grid);
+  for (const Estimator& estimator : estimators)
+    accumulators.emplace_back(estimator.method, estimator.grid);
 
   NdfResult result;
   PitchGroups pitches;

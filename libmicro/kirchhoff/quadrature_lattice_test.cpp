@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "height/triangles.h"
-#include "testing/gaussian_surface.h"
+#include "testing/cosine_surface.h"
 
 namespace micro {
 namespace {
