@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iomanip>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 
 #include "core/error.h"
@@ -15,6 +16,9 @@ void ignore(const Progress&) {}
 
 /// Rejection threshold of the filters' study, in robust standard deviations.
 constexpr double kThreshold = 6;
+
+/// Full width at half maximum of the paper's gonioreflectometer, radians [Dong15 §7].
+constexpr double kSignature = 1.5 * std::numbers::pi / 180;
 
 /// All of a study's tables stand on one grid: the widest that any of them needs.
 NdfRequest on_common_grid(const ScanListing& listing, NdfRequest request) {

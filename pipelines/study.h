@@ -10,8 +10,8 @@ namespace micro {
 /// One line of a study: an NDF and how far it is from the study's reference.
 struct StudyRow {
   NdfOfScans ndf;
-  double width_x = 0, width_y = 0;        ///< half interquartile ranges of m_x, m_y
-  double difference = 0;                  ///< total variation against the reference, 0 to 1
+  double width_x = 0, width_y = 0;  ///< half interquartile ranges of m_x, m_y
+  double difference = 0;            ///< total variation against the reference at 1.5° resolution, 0 to 1
   Eigen::Index rejected = 0, filled = 0;  ///< points that the filters changed
 };
 
