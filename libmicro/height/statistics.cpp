@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "height/triangles.h"
 
 namespace micro {
 namespace {
@@ -32,27 +31,58 @@ Eigen::Array<double, Terms, 1> sum_rows(Eigen::Index n, Row&& row) {
   return total;
 }
 
-/// Σ over valid points of term(z).
-template <int Terms, typename Term>
-Eigen::Array<double, Terms, 1> sum_points(const HeightField& surface, Term&& term) {
-  using Sum = Eigen::Array<double, Terms, 1>;
-  return sum_rows<Terms>(surface.rows(), [&](Eigen::Index j) {
-    Sum sum = Sum::Zero();
-    for (const float z : surface.z.row(j))
-      if (!is_missing(z)) sum += term(static_cast<double>(z));
-    return sum;
+/// How many values were there, and their sum.
+using CountAndSum = Eigen::Array2d;
+
+/// Counts and sums value(i) over i in [0, n), leaving out NaN. The independent partial sums and the selection
+/// instead of a branch let the loop run in vector registers.
+template <typename Value>
+CountAndSum sum_valid(Eigen::Index n, Value&& value) {
+  constexpr Eigen::Index kLanes = 8;
+  double count[kLanes] = {}, sum[kLanes] = {};
+  const auto add = [&](Eigen::Index lane, double x) {
+    count[lane] += x == x ? 1. : 0.;
+    sum[lane] += x == x ? x : 0.;
+  };
+  Eigen::Index i = 0;
+  for (; i + kLanes <= n; i += kLanes)
+    for (Eigen::Index k = 0; k < kLanes; ++k)
+      add(k, value(i + k));
+  for (; i < n; ++i)
+    add(0, value(i));
+  CountAndSum total = CountAndSum::Zero();
+  for (Eigen::Index k = 0; k < kLanes; ++k)
+    total += CountAndSum(count[k], sum[k]);
+  return total;
+}
+
+/// Number of valid points and Σ term(z) over them.
+template <typename Term>
+CountAndSum sum_points(const HeightField& surface, Term&& term) {
+  return sum_rows<2>(surface.rows(), [&](Eigen::Index j) {
+    const float* z = &surface.z(j, 0);
+    return sum_valid(surface.cols(), [&](Eigen::Index i) { return term(static_cast<double>(z[i])); });
   });
 }
 
-/// Σ over triangles of term(zx, zy).
-template <int Terms, typename Term>
-Eigen::Array<double, Terms, 1> sum_triangles(const HeightField& surface, Term&& term) {
-  using Sum = Eigen::Array<double, Terms, 1>;
-  if (surface.rows() < 2) return Sum::Zero();
-  return sum_rows<Terms>(surface.rows() - 1, [&](Eigen::Index j) {
-    Sum sum = Sum::Zero();
-    for_each_triangle(surface, j, [&](const Triangle& t) { sum += term(t.zx, t.zy); });
-    return sum;
+/// Number of triangles and Σ term(|∇z|²) over them: the triangles of for_each_triangle, whose gradient is NaN
+/// where a corner is missing.
+template <typename Term>
+CountAndSum sum_triangles(const HeightField& surface, Term&& term) {
+  if (surface.rows() < 2 || surface.cols() < 2) return CountAndSum::Zero();
+  const double per_dx = 1 / surface.dx, per_dy = 1 / surface.dy;
+  return sum_rows<2>(surface.rows() - 1, [&](Eigen::Index j) {
+    const float *z0 = &surface.z(j, 0), *z1 = &surface.z(j + 1, 0);
+    const auto squared = [](double slope) { return slope * slope; };
+    const auto lower = [&](Eigen::Index i) {
+      const double a = z0[i], b = z0[i + 1], c = z1[i + 1];
+      return term(squared((b - a) * per_dx) + squared((c - b) * per_dy));
+    };
+    const auto upper = [&](Eigen::Index i) {
+      const double a = z0[i], c = z1[i + 1], d = z1[i];
+      return term(squared((c - d) * per_dx) + squared((d - a) * per_dy));
+    };
+    return CountAndSum(sum_valid(surface.cols() - 1, lower) + sum_valid(surface.cols() - 1, upper));
   });
 }
 
@@ -78,7 +108,7 @@ struct Centre {
 };
 
 Centre centre(const HeightField& surface) {
-  const auto sum = sum_points<2>(surface, [](double z) { return Eigen::Array2d(1, z); });
+  const CountAndSum sum = sum_points(surface, [](double z) { return z; });
   return {sum(0), sum(0) > 0 ? sum(1) / sum(0) : kNone};
 }
 
@@ -99,40 +129,34 @@ HeightParameters height_parameters(const HeightField& surface) {
   const Centre c = centre(surface);
   if (c.n == 0) return {kNone, kNone, kNone, kNone, kNone};
   const HeightRange range = height_range(surface);
-  const Eigen::Array4d moments = sum_points<4>(surface,
-                                               [&](double z) {
-                                                 const double d = z - c.mean, d2 = d * d;
-                                                 return Eigen::Array4d(d2, std::abs(d), d2 * d, d2 * d2);
-                                               }) /
-                                 c.n;
+  const auto moment = [&](auto&& power) {
+    return sum_points(surface, [&](double z) { return power(z - c.mean); })(1) / c.n;
+  };
+  const double m2 = moment([](double d) { return d * d; });
   HeightParameters p{};
-  p.Sq = std::sqrt(moments(0));
-  p.Sa = moments(1);
+  p.Sq = std::sqrt(m2);
+  p.Sa = moment([](double d) { return std::abs(d); });
   p.Sz = range.max - range.min;
-  p.Ssk = p.Sq > 0 ? moments(2) / (moments(0) * p.Sq) : kNone;
-  p.Sku = p.Sq > 0 ? moments(3) / (moments(0) * moments(0)) : kNone;
+  p.Ssk = p.Sq > 0 ? moment([](double d) { return d * d * d; }) / (m2 * p.Sq) : kNone;
+  p.Sku = p.Sq > 0 ? moment([](double d) { return d * d * d * d; }) / (m2 * m2) : kNone;
   return p;
 }
 
 double Sq(const HeightField& surface) {
   const Centre c = centre(surface);
   if (c.n == 0) return kNone;
-  const auto sum = sum_points<1>(
-      surface, [&](double z) { return Eigen::Array<double, 1, 1>((z - c.mean) * (z - c.mean)); });
-  return std::sqrt(sum(0) / c.n);
+  const CountAndSum sum = sum_points(surface, [&](double z) { return (z - c.mean) * (z - c.mean); });
+  return std::sqrt(sum(1) / c.n);
 }
 
 double Sdq(const HeightField& surface) {
-  const auto sum =
-      sum_triangles<2>(surface, [](double zx, double zy) { return Eigen::Array2d(1, zx * zx + zy * zy); });
+  const CountAndSum sum = sum_triangles(surface, [](double g) { return g; });
   return sum(0) > 0 ? std::sqrt(sum(1) / sum(0)) : kNone;
 }
 
 double Sdr(const HeightField& surface) {
-  const auto sum = sum_triangles<2>(surface, [](double zx, double zy) {
-    const double g = zx * zx + zy * zy;
-    return Eigen::Array2d(1, g / (1 + std::sqrt(1 + g)));  // √(1+g) − 1 without cancellation
-  });
+  // √(1 + g) − 1 without cancellation.
+  const CountAndSum sum = sum_triangles(surface, [](double g) { return g / (1 + std::sqrt(1 + g)); });
   return sum(0) > 0 ? sum(1) / sum(0) : kNone;
 }
 
