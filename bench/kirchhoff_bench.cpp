@@ -76,7 +76,7 @@ void report_reflectance(const std::string& name, const HeightField& surface) {
   double difference = 0, total = 0;
   for (int n = 0; n < 40; ++n) {
     const auto u = random_uniform(5, 5, n);
-    const Vec3 wo(-0.7 + 0.6 * (u[0] - 0.5), 0.6 * (u[1] - 0.5), 0),
+    const Vec3 wo(-0.6 + 0.6 * (u[0] - 0.5), 0.6 * (u[1] - 0.5), 0),
         towards(wo.x(), wo.y(), std::sqrt(1 - wo.squaredNorm()));
     const Vec3 q = 2 * 3.14159265358979 / kLambda * (wi + towards), h = q.normalized();
     const double varying = std::norm(
