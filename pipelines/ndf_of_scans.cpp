@@ -5,11 +5,13 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <numbers>
 #include <sstream>
 
 #include "core/error.h"
 #include "core/estimate.h"
 #include "core/parallel.h"
+#include "distribution/compare.h"
 #include "distribution/table_mean.h"
 #include "height/statistics.h"
 #include "height/triangles.h"
@@ -270,8 +272,12 @@ std::vector<double> survey(const ScanListing& listing, const NdfRequest& request
           if (outcome.ndfs[m])
             extents[m] = std::max(extents[m], kMargin * extent_holding(outcome.ndfs[m]->density, kEnergy));
       });
+  // A blurred lobe needs room for the signature's reach as well.
+  const double reach =
+      request.signature ? std::sin(std::min(request.signature->signature.angle.back(), std::numbers::pi / 2))
+                        : 0;
   for (std::size_t m = 0; m < extents.size(); ++m)
-    extents[m] = extents[m] > 0 ? std::min(whole[m], extents[m]) : whole[m];
+    extents[m] = extents[m] > 0 ? std::min(whole[m], extents[m] + reach) : whole[m];
   return extents;
 }
 
@@ -402,6 +408,11 @@ Stage stage_of(const NdfOfScans& ndf, const std::map<std::string, std::int64_t>&
       count(ndf.scans, "scan") + ", " + count(ndf.samples, kirchhoff ? "coherent window" : "normal");
   if (ndf.unreached > 0) done += ", " + std::to_string(ndf.unreached) + " of them missed the tolerance";
   if (ndf.without_normal > 0) done += ", " + count(ndf.without_normal, "point") + " without a normal";
+  // A lobe that falls between the nodes has no shape in the table, and D_K's normalisation not even its mass.
+  const LobeWidth width = lobe_width(ndf.density);
+  const double spacing = ndf.density.grid.spacing();
+  if (!(width.x >= spacing && width.y >= spacing) || (kirchhoff && !(normalization(ndf.density) < 1.1)))
+    done += "; its lobe is narrower than a few nodes of the table, --extent auto resolves it";
   return ran(ndf.method.name + " NDF", done + (refused.empty() ? "" : "; " + refused));
 }
 
@@ -469,6 +480,7 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
           .reset();  // neighbouring nodes are correlated: it does not follow from the nodes' own
       blurred.method.name += "_signature" + request.signature->name;
       blurred.signature = request.signature->name;
+      blurred.outside = std::max(0., 1 - normalization(blurred.density));
       blurred.seconds = stopwatch.seconds();
       result.ndfs.push_back(std::move(blurred));
     }

@@ -1,6 +1,9 @@
 #include "pipelines/scan_listing.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <set>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
@@ -83,6 +86,14 @@ ScanListing list_scans(const std::vector<fs::path>& paths, const std::optional<f
     else
       throw FileError(path, "does not exist");
   }
+  // A file that is named twice is one scan.
+  std::set<fs::path> seen;
+  std::erase_if(listing.scans, [&](const ListedScan& scan) {
+    std::error_code ignored;
+    const bool again = !seen.insert(fs::weakly_canonical(scan.path, ignored)).second;
+    if (again) listing.skipped.push_back({scan.source, "it is listed already"});
+    return again;
+  });
   return listing;
 }
 

@@ -54,7 +54,11 @@ void compare(Study& study) {
 }  // namespace
 
 Study study_sigma(const ScanListing& listing, const NdfRequest& request, const std::vector<double>& sigmas) {
-  Study study{.title = "Sensitivity to the window's sigma", .reference = "filtered", .rows = {}};
+  // The paper's window, or the first where it is not among those asked for.
+  const bool has_default = std::find(sigmas.begin(), sigmas.end(), 1.) != sigmas.end();
+  Study study{.title = "Sensitivity to the window's sigma",
+              .reference = filtered_name(has_default ? 1. : sigmas.front()),
+              .rows = {}};
   NdfRequest all = request;
   all.methods = {{"naive", Naive{}}};
   for (const double sigma : sigmas)

@@ -96,7 +96,9 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
          "Standard deviation of the filtered NDF's Gaussian window (default 1um); repeatable")
       ->type_name("LENGTH")
       ->allow_extra_args(false);
-  app.add_option("--size", options.size, "Nodes along a side of the disk table, odd")->capture_default_str();
+  app.add_option("--size", options.size, "Nodes along a side of the disk table, odd")
+      ->check(CLI::Range(3, 16385))
+      ->capture_default_str();
   app.add_option(
       "--extent", options.extent,
       "Half width of the table in m_xy, in (0, 1], or 'auto': what holds the energy (default: all of the "
@@ -106,16 +108,20 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
   app.add_option("--reject-outliers", options.outlier_threshold,
                  "Make points missing that lie so many robust standard deviations off their neighbours (off "
                  "by default)")
-      ->check(CLI::PositiveNumber);
+      ->check([](const std::string& text) {
+        return std::atof(text.c_str()) > 0 ? std::string()
+                                           : "the threshold must be a positive number, not " + text;
+      });
   app.add_flag("--fill-holes", options.fill_holes, "Fill missing points harmonically (off by default)");
   app.add_option(
       "--signature", options.signature,
       "Also write every NDF convolved with the instrument's signature: the full width at half maximum of a "
       "Gaussian in half-vector angle, e.g. 1.5deg, or a file of rows `angle_deg response`");
-  add_length(app, "--lambda-q", options.lambda_q,
-             "Effective wavelength of D_K, lambda/cos(theta_d/2) (default 555nm)");
+  CLI::Option* lambda_q = add_length(app, "--lambda-q", options.lambda_q,
+                                     "Effective wavelength of D_K, lambda/cos(theta_d/2) (default 555nm)");
   CLI::Option* lambda =
       add_length(app, "--lambda", options.lambda, "Wavelength of light, instead of --lambda-q");
+  lambda->excludes(lambda_q);
   add_angle(app, "--theta-d", options.theta_d,
             "Full angle between light and viewer, with --lambda (default 0)")
       ->needs(lambda);
@@ -124,11 +130,16 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
          "--coherence", options.coherence,
          "Coherence area of D_K: patch, an area in µm², or source:9deg, the diameter of a round source")
       ->capture_default_str();
+  lambda->check([](const std::string& text) {
+    return parse_length(text) > 0 ? std::string() : "a wavelength must be positive, not " + text;
+  });
   add_pitch(app, options.read);
   app.add_flag("--mixed", options.mixed, "Take scans of different pitch together");
 }
 
-NdfRequest make_request(const NdfOptions& options, const std::vector<std::string>& methods) {
+namespace {
+
+NdfRequest request_of(const NdfOptions& options, const std::vector<std::string>& methods) {
   NdfRequest request;
   request.size = options.size;
   request.extent = make_extent(options.extent);
@@ -145,14 +156,29 @@ NdfRequest make_request(const NdfOptions& options, const std::vector<std::string
   std::vector<double> sigmas = options.sigmas.empty() ? std::vector<double>{1} : options.sigmas;
   for (const double sigma : sigmas)
     if (!(sigma > 0)) throw CLI::ValidationError("--sigma: the window must be wider than nothing");
+  const auto add = [&](NdfMethod method) {
+    const bool again = std::any_of(request.methods.begin(), request.methods.end(),
+                                   [&](const NdfMethod& known) { return known.name == method.name; });
+    if (!again) request.methods.push_back(std::move(method));
+  };
   for (const std::string& method : methods) {
-    if (method == "naive") request.methods.push_back({"naive", Naive{}});
-    if (method == "kirchhoff") request.methods.push_back({kirchhoff_name(options), make_kirchhoff(options)});
+    if (method == "naive") add({"naive", Naive{}});
+    if (method == "kirchhoff") add({kirchhoff_name(options), make_kirchhoff(options)});
     if (method == "filtered")
       for (const double sigma : sigmas)
-        request.methods.push_back({filtered_name(sigma), Filtered{sigma}});
+        add({filtered_name(sigma), Filtered{sigma}});
   }
   return request;
+}
+
+}  // namespace
+
+NdfRequest make_request(const NdfOptions& options, const std::vector<std::string>& methods) {
+  try {
+    return request_of(options, methods);
+  } catch (const InputError& error) {
+    throw CLI::ValidationError(error.what());  // what the options say makes no sense
+  }
 }
 
 std::function<void(const Progress&)> progress_line(const CommonOptions& options) {
@@ -213,8 +239,10 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
     std::printf("%s", to_text(result.plan).c_str());
     if (!listing.skipped.empty()) {
       std::printf("Skipped %zu:\n", listing.skipped.size());
-      for (const Skipped& file : listing.skipped)
-        std::printf("  %s: %s\n", file.source.c_str(), file.reason.c_str());
+      constexpr std::size_t kShown = 10;
+      for (std::size_t k = 0; k < std::min(kShown, listing.skipped.size()); ++k)
+        std::printf("  %s: %s\n", listing.skipped[k].source.c_str(), listing.skipped[k].reason.c_str());
+      if (listing.skipped.size() > kShown) std::printf("  and %zu more\n", listing.skipped.size() - kShown);
     }
     if (!result.ndfs.empty()) std::printf("%s\n", output.c_str());
   }

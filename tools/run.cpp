@@ -19,6 +19,17 @@ struct Options {
   std::vector<std::string> without;
 };
 
+/// What an earlier run left here would contradict this one's result.
+void remove_outputs(const std::filesystem::path& output) {
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(output, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if ((name.starts_with("ndf_") && name.ends_with(".exr")) || name == "contact_sheet.png" ||
+        name == "report.md")
+      std::filesystem::remove(entry.path(), ignored);
+  }
+}
+
 int run(const Options& options) {
   const auto wants = [&](const char* stage) {
     return std::find(options.without.begin(), options.without.end(), stage) == options.without.end();
@@ -43,6 +54,7 @@ int run(const Options& options) {
         stage == "report")
       result.plan.push_back({Stage::Outcome::LeftOut, stage, "--without"});
   if (!result.ndfs.empty()) {
+    remove_outputs(output);
     if (wants("pictures")) {
       for (const NdfOfScans& ndf : result.ndfs)
         write_ndf_picture(output / ("ndf_" + ndf.method.name + ".exr"), ndf);

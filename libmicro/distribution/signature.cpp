@@ -116,14 +116,32 @@ class Gather {
   Eigen::Index reach_;
 };
 
-/// What the whole hemisphere takes of each node's mass. The disk's eight symmetries leave it unchanged, so
-/// one octant is computed, and of that the nodes that hold something.
+/// Σ response over the nodes of the whole hemisphere, those beyond the table too, in reach of node (row,
+/// col).
+double taken_by_hemisphere(const DiskGrid& grid, const Response& response, Eigen::Index row,
+                           Eigen::Index col) {
+  const auto reach = static_cast<Eigen::Index>(std::ceil(std::sqrt(2 * response.reach()) / grid.spacing()));
+  const double x = grid.coordinate(col), y = grid.coordinate(row), z = std::sqrt(grid.mz2(row, col));
+  double sum = 0;
+  for (Eigen::Index j = row - reach; j <= row + reach; ++j) {
+    const double hy = grid.coordinate(j), rest = 1 - hy * hy;
+    for (Eigen::Index i = col - reach; i <= col + reach; ++i) {
+      const double hx = grid.coordinate(i), hz2 = rest - hx * hx;
+      if (!(hz2 > 0)) continue;
+      const double dz = std::sqrt(hz2) - z;
+      const double c = ((hx - x) * (hx - x) + (hy - y) * (hy - y) + dz * dz) / 2;
+      if (c <= response.reach()) sum += response(c);
+    }
+  }
+  return sum;
+}
+
+/// What the hemisphere takes of each node's mass. The disk's eight symmetries leave it unchanged, so one
+/// octant is computed, and of that the nodes that hold something.
 Grid<double> taken(const DiskTable& table, const Grid<double>& mz, const Response& response) {
   const DiskGrid& grid = table.grid;
   const Eigen::Index c = (grid.size - 1) / 2;
-  const Grid<double> disk = (mz > 0).cast<double>();
-  const Gather gather(grid, mz, response, disk);
-  Grid<double> needed = Grid<double>::Zero(c + 1, c + 1);
+  Grid<double> octant = Grid<double>::Zero(c + 1, c + 1);
   const auto fold = [c](Eigen::Index j, Eigen::Index i) {
     const Eigen::Index a = std::abs(j - c), b = std::abs(i - c);
     return std::pair(std::max(a, b), std::min(a, b));
@@ -132,17 +150,17 @@ Grid<double> taken(const DiskTable& table, const Grid<double>& mz, const Respons
     for (Eigen::Index i = 0; i < grid.size; ++i)
       if (table.density(j, i) != 0 && mz(j, i) > 0) {
         const auto [a, b] = fold(j, i);
-        needed(a, b) = 1;
+        octant(a, b) = 1;
       }
   parallel_for(c + 1, [&](std::int64_t a) {
     for (Eigen::Index b = 0; b <= a; ++b)
-      if (needed(a, b) != 0) needed(a, b) = gather(c + a, c + b);
+      if (octant(a, b) != 0) octant(a, b) = taken_by_hemisphere(grid, response, c + a, c + b);
   });
   Grid<double> sums = Grid<double>::Zero(grid.size, grid.size);
   for (Eigen::Index j = 0; j < grid.size; ++j)
     for (Eigen::Index i = 0; i < grid.size; ++i) {
       const auto [a, b] = fold(j, i);
-      sums(j, i) = needed(a, b);
+      sums(j, i) = octant(a, b);
     }
   return sums;
 }
