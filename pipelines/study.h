@@ -22,7 +22,8 @@ struct Study {
 };
 
 /// Sensitivity of the filtered NDF to the window's σ, and the naive NDF beside it [Dong15 §5.1, Fig. 5]; the
-/// reference is σ = 1 µm. A σ that the pitch does not resolve is left out.
+/// reference is σ = 1 µm, or the first σ if that is not among them. A σ that the pitch does not resolve is
+/// left out.
 Study study_sigma(const ScanListing& listing, const NdfRequest& request, const std::vector<double>& sigmas);
 
 /// Outlier rejection and hole filling, off and on [Dong15 §4.1]; the reference is everything off.

@@ -24,7 +24,8 @@ void require_valid(const Signature& signature);
 
 /// The table as the instrument would see it: the mass D(m)·m_z dω of each node is spread over the directions
 /// h of the hemisphere in proportion to response(∠(h, m))·h_z dω, so that ∫ D m_z dω is kept exactly, at the
-/// rim too. Cost: nodes that are not zero × nodes within the signature's reach.
+/// rim too. What goes beyond the extent of a table that is zoomed
+/// in leaves it. Cost: nodes that are not zero × nodes within the signature's reach.
 DiskTable convolve(const DiskTable& table, const Signature& signature);
 
 }  // namespace micro
