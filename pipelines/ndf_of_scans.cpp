@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <memory>
-#include <mutex>
 #include <numbers>
 #include <sstream>
 
@@ -16,22 +14,10 @@
 #include "height/statistics.h"
 #include "height/triangles.h"
 #include "io/sha256.h"
-#include "kirchhoff/spectral.h"
-#include "ndf/normal_counts.h"
 #include "pipelines/thumbnail.h"
 
 namespace micro {
 namespace {
-
-/// One method's outcome on one scan.
-struct ScanNdf {
-  DiskTable density;
-  std::int64_t samples = 0, outside = 0, without_normal = 0;
-  std::optional<double> truncation_error;
-  std::optional<ErrorSample> kirchhoff_error;
-  std::int64_t unreached = 0;  // tables of D_K that missed their tolerance
-  double seconds = 0;
-};
 
 /// One scan's outcome.
 struct ScanOutcome {
@@ -42,101 +28,6 @@ struct ScanOutcome {
   std::optional<Picture> thumbnail;
 };
 
-ScanNdf counted(const NormalCounts& counts) {
-  ScanNdf ndf;
-  ndf.density = density(counts);
-  ndf.samples = counts.total;
-  ndf.outside = counts.outside;
-  return ndf;
-}
-
-ScanNdf compute(const Naive&, const HeightField& surface, const DiskGrid& grid) {
-  return counted(naive_counts(surface, grid));
-}
-
-ScanNdf compute(const Filtered& filtered, const HeightField& surface, const DiskGrid& grid) {
-  const SlopeField slopes = local_planes(surface, filtered.sigma);
-  ScanNdf ndf = counted(filtered_counts(slopes, grid));
-  ndf.without_normal = slopes.without_normal;
-  ndf.truncation_error = slopes.truncation_error;
-  return ndf;
-}
-
-/// One D_K solver for each thread that works on scans, kept from scan to scan with its memory and plans.
-class Solvers {
- public:
-  Solvers(const DiskGrid& grid, const Kirchhoff& kirchhoff) : grid_(grid), kirchhoff_(kirchhoff) {}
-
-  KirchhoffTable operator()(const HeightField& surface) {
-    std::unique_ptr<SpectralSolver> solver = take();
-    KirchhoffTable table = (*solver)(surface);
-    const std::scoped_lock lock(mutex_);
-    idle_.push_back(std::move(solver));
-    return table;
-  }
-
- private:
-  std::unique_ptr<SpectralSolver> take() {
-    const std::scoped_lock lock(mutex_);
-    if (idle_.empty())
-      return std::make_unique<SpectralSolver>(grid_, kirchhoff_.lambda_q, kirchhoff_.tolerance);
-    std::unique_ptr<SpectralSolver> solver = std::move(idle_.back());
-    idle_.pop_back();
-    return solver;
-  }
-
-  DiskGrid grid_;
-  Kirchhoff kirchhoff_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<SpectralSolver>> idle_;
-};
-
-/// One method on one grid, ready for any number of scans.
-struct Estimator {
-  NdfMethod method;
-  DiskGrid grid;
-  std::unique_ptr<Solvers> solvers;  // of D_K, else null
-
-  Estimator(const NdfMethod& what, const DiskGrid& where) : method(what), grid(where) {
-    if (const auto* kirchhoff = std::get_if<Kirchhoff>(&what.kind))
-      solvers = std::make_unique<Solvers>(where, *kirchhoff);
-  }
-};
-
-ScanNdf compute(const Kirchhoff& kirchhoff, const HeightField& surface, const Estimator& estimator) {
-  ScanNdf ndf;
-  ndf.density = make_disk_table(estimator.grid);
-  ndf.kirchhoff_error = ErrorSample{};
-  double area = 0;
-  for (const Window& window : coherent_windows(surface, kirchhoff.coherence)) {
-    const KirchhoffTable table = (*estimator.solvers)(window.surface);
-    const double weight = effective_area(window);
-    ndf.density.density += weight * table.table.density;
-    area += weight;
-    *ndf.kirchhoff_error += table.error;
-    ndf.unreached += table.reached ? 0 : 1;
-    ++ndf.samples;
-  }
-  if (area > 0) ndf.density.density /= area;
-  return ndf;
-}
-
-ScanNdf compute(const Naive& naive, const HeightField& surface, const Estimator& estimator) {
-  return compute(naive, surface, estimator.grid);
-}
-
-ScanNdf compute(const Filtered& filtered, const HeightField& surface, const Estimator& estimator) {
-  return compute(filtered, surface, estimator.grid);
-}
-
-ScanNdf compute(const HeightField& surface, const Estimator& estimator) {
-  const Stopwatch stopwatch;
-  ScanNdf ndf =
-      std::visit([&](const auto& kind) { return compute(kind, surface, estimator); }, estimator.method.kind);
-  ndf.seconds = stopwatch.seconds();
-  return ndf;
-}
-
 /// sinθ of the half vectors that a pitch resolves: a geometric NDF has its facets' own slopes, D_K needs half
 /// a fringe from point to point [λ_q/(4·pitch)].
 double valid_sin_theta(const NdfMethod& method, double pitch) {
@@ -145,7 +36,7 @@ double valid_sin_theta(const NdfMethod& method, double pitch) {
 }
 
 ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request,
-                    const std::vector<Estimator>& estimators, bool thumbnail) {
+                    const std::vector<NdfEstimator>& estimators, bool thumbnail) {
   ScanOutcome outcome;
   ScanRecord& record = outcome.record;
   record.source = scan.source;
@@ -171,7 +62,7 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request,
     if (!(outcome.area > 0)) throw FileError(scan.path, "has no three neighbouring points, so no surface");
     for (std::size_t m = 0; m < request.methods.size(); ++m) {
       try {
-        outcome.ndfs[m] = compute(surface, estimators[m]);
+        outcome.ndfs[m] = estimators[m](surface);
         if (outcome.ndfs[m]->samples == 0) outcome.refusals[m] = "no point's neighbours determine a plane";
       } catch (const FileError&) {
         throw;
@@ -240,8 +131,8 @@ double whole_extent(const NdfMethod& method, std::optional<double> pitch) {
   return kirchhoff && pitch ? std::min(1., kirchhoff->lambda_q / (2 * *pitch)) : 1;
 }
 
-std::vector<Estimator> make_estimators(const NdfRequest& request, const std::vector<DiskGrid>& grids) {
-  std::vector<Estimator> estimators;
+std::vector<NdfEstimator> make_estimators(const NdfRequest& request, const std::vector<DiskGrid>& grids) {
+  std::vector<NdfEstimator> estimators;
   for (std::size_t m = 0; m < grids.size(); ++m)
     estimators.emplace_back(request.methods[m], grids[m]);
   return estimators;
@@ -258,7 +149,7 @@ std::vector<double> survey(const ScanListing& listing, const NdfRequest& request
   std::vector<DiskGrid> grids;
   for (const double extent : whole)
     grids.push_back({std::min(request.size, kCoarse), extent});
-  const std::vector<Estimator> estimators = make_estimators(brief, grids);
+  const std::vector<NdfEstimator> estimators = make_estimators(brief, grids);
   std::vector<double> extents(whole.size(), 0.);
   const std::size_t surveyed = std::min(kSurveyed, listing.scans.size());
   parallel_in_order(
@@ -418,24 +309,12 @@ Stage stage_of(const NdfOfScans& ndf, const std::map<std::string, std::int64_t>&
 
 }  // namespace
 
-std::string filtered_name(double sigma) {
-  if (sigma == 1) return "filtered";
-  std::ostringstream name;
-  name << "filtered_" << sigma << "um";
-  return name.str();
-}
-
-std::string_view estimator_of(const NdfMethod& method) {
-  if (std::holds_alternative<Kirchhoff>(method.kind)) return "spectral";
-  return std::holds_alternative<Naive>(method.kind) ? "triangles" : "plane fits";
-}
-
 NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
                        const std::function<void(const Progress&)>& report) {
-  const std::vector<Estimator> estimators = make_estimators(request, choose_grids(listing, request));
+  const std::vector<NdfEstimator> estimators = make_estimators(request, choose_grids(listing, request));
   std::vector<Accumulator> accumulators;
-  for (const Estimator& estimator : estimators)
-    accumulators.emplace_back(estimator.method, estimator.grid);
+  for (const NdfEstimator& estimator : estimators)
+    accumulators.emplace_back(estimator.method(), estimator.grid());
 
   NdfResult result;
   PitchGroups pitches;

@@ -10,39 +10,12 @@
 #include "distribution/disk_table.h"
 #include "distribution/signature.h"
 #include "io/png.h"
-#include "kirchhoff/coherence.h"
+#include "pipelines/ndf_estimator.h"
 #include "pipelines/plan.h"
 #include "pipelines/prepare_scan.h"
 #include "pipelines/scan_listing.h"
 
 namespace micro {
-
-/// The naive geometric NDF, from triangles.
-struct Naive {};
-
-/// The filtered geometric NDF [Dong15 §5.1].
-struct Filtered {
-  double sigma = 1;  ///< µm
-};
-
-/// The Kirchhoff distribution D_K [Dong15 Eq. 6] at one |q| = 4π/λ_q, by the spectral estimator.
-struct Kirchhoff {
-  double lambda_q = 0.555;  ///< µm
-  double tolerance = 1e-3;  ///< relative L2 error of D over the table, and without its coherent core
-  Coherence coherence = WholePatch{};  ///< WholePatch or SubWindows
-};
-
-/// One table to compute, and the name of its group under /ndf.
-struct NdfMethod {
-  std::string name;  ///< "naive", "filtered", "filtered_2um", "kirchhoff"
-  std::variant<Naive, Filtered, Kirchhoff> kind;
-};
-
-/// The name of a filtered NDF: "filtered" for the paper's σ = 1 µm, else with its σ, "filtered_2um".
-std::string filtered_name(double sigma);
-
-/// How a method's table comes about: "triangles", "plane fits" or "spectral".
-std::string_view estimator_of(const NdfMethod& method);
 
 /// An instrument signature and what to call the tables that it blurred.
 struct NamedSignature {
