@@ -2,7 +2,11 @@
 find_package(PkgConfig REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(HDF5 REQUIRED COMPONENTS C HL)
+# Debian's Imath exports a Python binding that its package does not hold, and says so at length (as status
+# messages, for nothing that is used here).
+set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
 find_package(OpenEXR REQUIRED CONFIG)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
 find_package(PNG REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)

@@ -23,5 +23,6 @@ Run add_convert(CLI::App& app);
 Run add_synth(CLI::App& app);
 Run add_ndf(CLI::App& app);
 Run add_run(CLI::App& app);
+Run add_study(CLI::App& app);
 
 }  // namespace micro::tools

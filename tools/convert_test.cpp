@@ -8,7 +8,7 @@
 #include <string>
 
 #include "io/scan.h"
-#include "io/temporary_folder_test.h"
+#include "testing/temporary_folder.h"
 
 namespace micro::tools {
 namespace {

@@ -1,6 +1,10 @@
 #include "distribution/disk_table.h"
 
+#include <algorithm>
+#include <cstdlib>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 
@@ -16,6 +20,20 @@ DiskTable make_disk_table(const DiskGrid& grid) {
 
 double normalization(const DiskTable& table) {
   return table.density.sum() * table.grid.spacing() * table.grid.spacing();
+}
+
+double extent_holding(const DiskTable& table, double fraction) {
+  const auto c = static_cast<Eigen::Index>(table.grid.centre());
+  std::vector<double> rings(static_cast<std::size_t>(c) + 1, 0.);
+  for (Eigen::Index j = 0; j < table.grid.size; ++j)
+    for (Eigen::Index i = 0; i < table.grid.size; ++i)
+      rings[static_cast<std::size_t>(std::max(std::abs(j - c), std::abs(i - c)))] += table.density(j, i);
+  const double outside = (1 - fraction) * std::accumulate(rings.begin(), rings.end(), 0.);
+  double beyond = 0;
+  Eigen::Index ring = c;
+  while (ring > 0 && beyond + rings[static_cast<std::size_t>(ring)] <= outside)
+    beyond += rings[static_cast<std::size_t>(ring--)];
+  return std::min(table.grid.extent, (static_cast<double>(ring) + 0.5) * table.grid.spacing());
 }
 
 }  // namespace micro

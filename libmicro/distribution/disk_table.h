@@ -35,4 +35,7 @@ DiskTable make_disk_table(const DiskGrid& grid);
 /// ∫ D m_z dω over the table: since m_z dω = dm_x dm_y it is ΣD·spacing².
 double normalization(const DiskTable& table);
 
+/// Half width in m_xy of the smallest centred square that holds this fraction of the table's mass.
+double extent_holding(const DiskTable& table, double fraction);
+
 }  // namespace micro

@@ -27,6 +27,16 @@ TEST(DiskTable, ConstantOverPiIsNormalised) {
   EXPECT_NEAR(normalization(table), 1, 1e-4);  // the staircase rim of the disk
 }
 
+TEST(DiskTable, ExtentHoldsTheMass) {
+  DiskTable table = make_disk_table({101, 0.5});
+  table.density(50, 50) = 9;
+  table.density(50, 60) = 1;
+  EXPECT_NEAR(extent_holding(table, 0.89), 0.5 * 0.01, 1e-12);
+  EXPECT_NEAR(extent_holding(table, 0.95), 10.5 * 0.01, 1e-12);
+  table.density(0, 50) = 100;
+  EXPECT_NEAR(extent_holding(table, 0.95), 0.5, 1e-12);  // never beyond the table
+}
+
 TEST(DiskTable, RefusesSizesThatHaveNoCentre) {
   EXPECT_THROW(make_disk_table({1024, 1}), InputError);
   EXPECT_THROW(make_disk_table({1, 1}), InputError);

@@ -29,17 +29,17 @@ double sample(const Autocorrelation& acf, double i, double j) {
   if (j < 0) i = -i, j = -j;
   const double reach = static_cast<double>(acf.zero);
   if (!(std::abs(i) <= reach && j <= static_cast<double>(acf.rho.rows() - 1))) return kNone;
-  const double x = i + reach;
   const auto cell = [](double t, Eigen::Index n) {
-    return std::min(static_cast<Eigen::Index>(t), std::max<Eigen::Index>(n - 2, 0));
+    const Eigen::Index at = std::min(static_cast<Eigen::Index>(t), std::max<Eigen::Index>(n - 2, 0));
+    return std::pair(at, t - static_cast<double>(at));
   };
-  const Eigen::Index col = cell(x, acf.rho.cols()), row = cell(j, acf.rho.rows());
-  const double u = x - static_cast<double>(col), v = j - static_cast<double>(row);
-  // A weight of 0 must not read beyond the last line, nor a NaN.
-  const auto along_row = [&](Eigen::Index r) {
-    return u > 0 ? (1 - u) * acf.rho(r, col) + u * acf.rho(r, col + 1) : acf.rho(r, col);
+  const auto [col, u] = cell(i + reach, acf.rho.cols());
+  const auto [row, v] = cell(j, acf.rho.rows());
+  const auto mix = [](double t, double a, double b) { return t > 0 ? (1 - t) * a + t * b : a; };
+  const auto along_row = [&acf, &mix, u = u, col = col](Eigen::Index r) {
+    return mix(u, acf.rho(r, col), u > 0 ? acf.rho(r, col + 1) : 0.);
   };
-  return v > 0 ? (1 - v) * along_row(row) + v * along_row(row + 1) : along_row(row);
+  return mix(v, along_row(row), v > 0 ? along_row(row + 1) : 0.);
 }
 
 /// The lag at which ρ first falls below `level` along a direction, µm.

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -16,6 +17,8 @@ namespace micro {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::string_view kPrefix = ".microbrdf-", kSuffix = ".part";
 
 std::string reason(int error) {
   return std::generic_category().message(error);
@@ -41,14 +44,19 @@ class Descriptor {
 fs::path make_temporary(const fs::path& path, const fs::path& folder) {
   static std::atomic<unsigned> count{0};
   for (;;) {
-    const fs::path name =
-        folder / (".microbrdf-" + std::to_string(::getpid()) + "-" + std::to_string(count++) + ".part");
+    const fs::path name = folder / (std::string(kPrefix) + std::to_string(::getpid()) + "-" +
+                                    std::to_string(count++) + std::string(kSuffix));
     if (Descriptor file(name, O_WRONLY | O_CREAT | O_EXCL); file.get() >= 0) return name;
     if (errno != EEXIST) throw FileError(path, "cannot be written: " + reason(errno));
   }
 }
 
 }  // namespace
+
+bool is_temporary(const fs::path& path) {
+  const std::string name = path.filename().string();
+  return name.starts_with(kPrefix) && name.ends_with(kSuffix);
+}
 
 AtomicFile::AtomicFile(const fs::path& path) : path_(path), target_(path) {
   std::error_code error;

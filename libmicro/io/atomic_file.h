@@ -30,6 +30,9 @@ class AtomicFile {
   std::filesystem::path temporary_;
 };
 
+/// Is this the name of an AtomicFile's temporary file?
+bool is_temporary(const std::filesystem::path& path);
+
 /// Writes the bytes as a whole file. Throws FileError.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "io/hdf5_reader.h"
 #include "io/hdf5_writer.h"
-#include "io/temporary_folder_test.h"
+#include "testing/temporary_folder.h"
 
 namespace micro {
 namespace {

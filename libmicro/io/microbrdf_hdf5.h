@@ -28,7 +28,7 @@ void write_microbrdf_hdf5(const std::filesystem::path& path, const HeightField& 
 /// Our own height file. A result.h5 without /height is no scan; a file that was cut while it was written is
 /// refused.
 inline constexpr ScanFormat kMicrobrdfHdf5 = {"microbrdf-hdf5", "microbrdf height file (HDF5)",
-                                              ScanFormat::Listed::WhenNamed, is_microbrdf_hdf5,
+                                              ScanFormat::Listed::WhenFound, is_microbrdf_hdf5,
                                               read_microbrdf_hdf5};
 
 }  // namespace micro

@@ -10,7 +10,7 @@
 #include "io/npy.h"
 #include "io/scan.h"
 #include "io/small_scans_test.h"
-#include "io/temporary_folder_test.h"
+#include "testing/temporary_folder.h"
 
 namespace micro {
 namespace {

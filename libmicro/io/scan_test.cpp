@@ -13,7 +13,7 @@
 #include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
 #include "io/small_scans_test.h"
-#include "io/temporary_folder_test.h"
+#include "testing/temporary_folder.h"
 
 namespace micro {
 namespace {

@@ -6,8 +6,8 @@
 #include "core/error.h"
 #include "io/scan.h"
 #include "io/small_scans_test.h"
-#include "io/temporary_folder_test.h"
 #include "io/zygo_dat.h"
+#include "testing/temporary_folder.h"
 
 namespace micro {
 namespace {

@@ -1,0 +1,113 @@
+// D_K: error against run time of the spectral estimator, what one exact direction costs, and what the
+// constant reflectance of [Dong15 Eq. 6] costs on steep surfaces. Writes CSV; optional argument: the
+// effective wavelength in µm.
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "core/random.h"
+#include "height/triangles.h"
+#include "kirchhoff/exact.h"
+#include "kirchhoff/spectral.h"
+
+namespace {
+
+using namespace micro;
+
+/// Sum of cosines of correlation rms²·exp(−x²/τx² − y²/τy²), 480 × 640 at 0.11 µm.
+HeightField gaussian(double rms, double tau_x, double tau_y) {
+  constexpr int kWaves = 300;
+  constexpr double kPitch = 0.11;
+  Grid<double> z = Grid<double>::Zero(480, 640);
+  for (int wave = 0; wave < kWaves; ++wave) {
+    const auto normal = random_normal(1, 1, wave);
+    const double kx = normal[0] * std::sqrt(2.0) / tau_x, ky = normal[1] * std::sqrt(2.0) / tau_y;
+    const std::complex<double> step = std::polar(1.0, kx * kPitch);
+    for (Eigen::Index j = 0; j < z.rows(); ++j) {
+      auto e = std::polar(1.0, ky * kPitch * static_cast<double>(j) + 6.283 * random_uniform(1, 2, wave)[0]);
+      for (Eigen::Index i = 0; i < z.cols(); ++i, e *= step)
+        z(j, i) += e.real();
+    }
+  }
+  return make_height_field(z * (rms * std::sqrt(2.0 / kWaves)), kPitch, kPitch);
+}
+
+HeightField with_holes(HeightField surface) {
+  for (Eigen::Index n = 0; n < surface.z.size(); ++n)
+    if (random_uniform(3, 3, n)[0] < 0.04) surface.z(n / surface.cols(), n % surface.cols()) = kMissing;
+  return surface;
+}
+
+void report_spectral(const std::string& name, const HeightField& surface, double lambda_q) {
+  constexpr int kJudges = 60;
+  for (const double tol : {1e-2, 1e-3, 1e-4, 1e-5}) {
+    SpectralSolver solver({}, lambda_q, tol);
+    solver(surface);  // touches the memory, as in a directory of scans
+    double seconds = 1e300;
+    KirchhoffTable result;
+    for (int repeat = 0; repeat < (tol < 3e-4 ? 1 : 5); ++repeat) {
+      result = solver(surface, repeat);
+      seconds = std::min(seconds, result.cost.seconds);
+    }
+    const ErrorSample judged = sample_error(surface, result.table, lambda_q, tol, kJudges, 1000);
+    std::printf("%s,%g,%.3f,%.2e,%.2e,%d,%d,%d,%d,%lld,%.0f\n", name.c_str(), tol, seconds, judged.error(),
+                judged.error_core_free(), result.reached ? 1 : 0, result.work.terms,
+                result.choice.subdivision, result.choice.kernel_width,
+                static_cast<long long>(result.cost.evaluations),
+                static_cast<double>(result.work.bytes) / 1e6);
+    std::fflush(stdout);
+  }
+}
+
+/// Fresnel amplitude for polarisation s, cosine of incidence c, index n + ik.
+std::complex<double> fresnel_s(double c, std::complex<double> index) {
+  const std::complex<double> t = std::sqrt(index * index - (1 - c * c));
+  return (c - t) / (c + t);
+}
+
+/// Σ over directions of (|R·F|² − |F_R|²)² against Σ|F_R|⁴, F_R with the reflectance of each facet [Dong15
+/// Eq. 3], R that of the half direction [Eq. 7]; copper at 0.5486 µm (Johnson & Christy 1972), light at 45°.
+void report_reflectance(const std::string& name, const HeightField& surface) {
+  constexpr double kLambda = 0.5486;
+  const std::complex<double> copper(1.02, 2.59);
+  const Vec3 wi = Vec3(1, 0, 1).normalized();
+  double difference = 0, total = 0;
+  for (int n = 0; n < 40; ++n) {
+    const auto u = random_uniform(5, 5, n);
+    const Vec3 wo(-0.6 + 0.6 * (u[0] - 0.5), 0.6 * (u[1] - 0.5), 0),
+        towards(wo.x(), wo.y(), std::sqrt(1 - wo.squaredNorm()));
+    const Vec3 q = 2 * 3.14159265358979 / kLambda * (wi + towards), h = q.normalized();
+    const double varying = std::norm(
+        exact_field(surface, q, [&](const Vec3& m) { return fresnel_s(std::max(0.0, wi.dot(m)), copper); }));
+    const double constant = std::norm(fresnel_s(wi.dot(h), copper) * exact_field(surface, q));
+    difference += (constant - varying) * (constant - varying);
+    total += varying * varying;
+  }
+  std::printf("constant_R,%s,%.2e\n", name.c_str(), std::sqrt(difference / total));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const double lambda_q = argc > 1 ? std::atof(argv[1]) : 0.555;
+  const HeightField rough = gaussian(0.3, 3, 3), steep = gaussian(1, 1.5, 1.5),
+                    brushed = gaussian(0.3, 12, 1.5);
+  double seconds = 1e300;
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    const Stopwatch watch;
+    exact_field(rough, wave_vector(Vec3(0.36, 0.48, 0.8), lambda_q));
+    seconds = std::min(seconds, watch.seconds());
+  }
+  std::printf("exact_ms_per_direction,%.2f\n", 1e3 * seconds);
+  report_reflectance("rough", rough);
+  report_reflectance("steep", steep);
+  std::printf(
+      "surface,tol,seconds,error,error_core_free,reached,terms,subdivision,kernel_width,transforms,"
+      "megabytes\n");
+  report_spectral("rough", rough, lambda_q);
+  report_spectral("holes", with_holes(rough), lambda_q);
+  report_spectral("brushed", brushed, lambda_q);
+  report_spectral("steep", steep, lambda_q);
+}

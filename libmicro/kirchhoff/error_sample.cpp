@@ -1,0 +1,159 @@
+#include "kirchhoff/error_sample.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/parallel.h"
+#include "core/random.h"
+#include "height/triangles.h"
+#include "kirchhoff/exact.h"
+
+namespace micro {
+namespace {
+
+constexpr double kSignificant = 1e-8;
+constexpr double kSignificantTolerance = 30;
+constexpr std::uint32_t kStream = 0x6b65;
+
+struct Node {
+  Eigen::Index j, i;
+};
+
+/// The three measures that nodes are drawn by, in turn.
+enum Measure { kWhole, kCoreFree, kEven, kMeasures };
+
+/// What one node weighs in each measure.
+struct NodeWeights {
+  const DiskTable& table;
+  double core, threshold;
+
+  std::array<double, kMeasures> operator()(Eigen::Index j, Eigen::Index i) const {
+    const double density = table.density(j, i);
+    if (!(table.grid.mz2(j, i) > 0) || !(density > 0)) return {0, 0, 0};
+    const double x = table.grid.coordinate(i), y = table.grid.coordinate(j), squared = density * density;
+    return {squared, x * x + y * y > core * core ? squared : 0, density >= threshold ? 1.0 : 0.0};
+  }
+};
+
+/// Cumulative sums over rows; a node is found in its row by adding up again.
+struct RowSums {
+  std::array<std::vector<double>, kMeasures> cumulative;
+  double total(int measure) const { return cumulative[measure].back(); }
+};
+
+RowSums sum_rows(const NodeWeights& weights) {
+  const Eigen::Index rows = weights.table.density.rows();
+  RowSums sums;
+  for (auto& row : sums.cumulative)
+    row.resize(static_cast<std::size_t>(rows));
+  parallel_blocks(rows, 16, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index j = begin; j < end; ++j) {
+      std::array<double, kMeasures> sum{};
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        const auto w = weights(j, i);
+        for (int m = 0; m < kMeasures; ++m)
+          sum[m] += w[m];
+      }
+      for (int m = 0; m < kMeasures; ++m)
+        sums.cumulative[m][j] = sum[m];
+    }
+  });
+  for (auto& row : sums.cumulative)
+    for (std::size_t j = 1; j < row.size(); ++j)
+      row[j] += row[j - 1];
+  return sums;
+}
+
+/// The node at fraction u of a measure's total.
+Node find_node(const NodeWeights& weights, const RowSums& sums, int measure, double u) {
+  const auto& rows = sums.cumulative[measure];
+  const double target = u * rows.back();
+  const auto row = std::min<std::ptrdiff_t>(std::upper_bound(rows.begin(), rows.end(), target) - rows.begin(),
+                                            static_cast<std::ptrdiff_t>(rows.size()) - 1);
+  double sum = row > 0 ? rows[static_cast<std::size_t>(row - 1)] : 0;
+  Node last{row, 0};
+  for (Eigen::Index i = 0; i < weights.table.density.cols(); ++i) {
+    const double w = weights(row, i)[measure];
+    if (w == 0) continue;
+    last.i = i;
+    sum += w;
+    if (sum > target) break;
+  }
+  return last;
+}
+
+}  // namespace
+
+double ErrorSample::error() const {
+  return nodes > 0 ? std::sqrt(squared / static_cast<double>(nodes)) : 0;
+}
+
+double ErrorSample::error_core_free() const {
+  return nodes > 0 ? std::sqrt(squared_core_free / static_cast<double>(nodes)) : 0;
+}
+
+bool ErrorSample::within(double tol) const {
+  return error() <= tol && error_core_free() <= tol && 2 * significant_bad <= significant + 1;
+}
+
+ErrorSample& ErrorSample::operator+=(const ErrorSample& other) {
+  nodes += other.nodes;
+  squared += other.squared;
+  squared_core_free += other.squared_core_free;
+  significant += other.significant;
+  significant_bad += other.significant_bad;
+  return *this;
+}
+
+double coherent_core(const HeightField& surface, double lambda_q) {
+  const double shorter = std::min(static_cast<double>(surface.cols() - 1) * surface.dx,
+                                  static_cast<double>(surface.rows() - 1) * surface.dy);
+  return 2 * lambda_q / (2 * shorter);
+}
+
+ErrorSample sample_error(const HeightField& surface, const DiskTable& table, double lambda_q, double tol,
+                         int nodes, std::uint64_t seed) {
+  const NodeWeights weights{table, coherent_core(surface, lambda_q), kSignificant * table.density.maxCoeff()};
+  const RowSums sums = sum_rows(weights);
+  ErrorSample sample;
+  if (!(sums.total(kWhole) > 0)) return sample;
+  // A table that lies in the core altogether has two measures.
+  std::vector<int> turn;
+  for (int n = 0, measure = 0; n < nodes; measure = (measure + 1) % kMeasures)
+    if (sums.total(measure) > 0) {
+      turn.push_back(measure);
+      ++n;
+    }
+  std::vector<Node> drawn;
+  std::vector<Vec3> q;
+  for (int n = 0; n < nodes; ++n) {
+    const double u = random_uniform(seed, kStream, static_cast<std::uint64_t>(n))[0];
+    drawn.push_back(find_node(weights, sums, turn[n], u));
+    const auto [j, i] = drawn.back();
+    const Vec3 h(table.grid.coordinate(i), table.grid.coordinate(j), std::sqrt(table.grid.mz2(j, i)));
+    q.push_back(wave_vector(h, lambda_q));
+  }
+  const auto fields = exact_field(surface, q);
+  const double area = projected_area(surface);
+  for (int n = 0; n < nodes; ++n) {
+    const auto w = weights(drawn[n].j, drawn[n].i);
+    double p = 0;  // of this node, over all draws together
+    for (const int measure : turn)
+      p += w[measure] / sums.total(measure) / nodes;
+    const double exact = kirchhoff_density(fields[n], area);
+    const double difference = table.density(drawn[n].j, drawn[n].i) - exact,
+                 squared = difference * difference;
+    sample.squared += squared / (p * sums.total(kWhole));
+    if (w[kCoreFree] > 0) sample.squared_core_free += squared / (p * sums.total(kCoreFree));
+    if (turn[n] == kEven) {
+      ++sample.significant;
+      if (!(std::abs(difference) <= kSignificantTolerance * tol * exact)) ++sample.significant_bad;
+    }
+  }
+  sample.nodes = nodes;
+  return sample;
+}
+
+}  // namespace micro

@@ -1,0 +1,235 @@
+#include "kirchhoff/height_basis.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/parallel.h"
+
+namespace micro {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// ψ(h, q) = (e^{−iqh} − 1)/q, −ih at q = 0: by half angles, free of cancellation.
+Complex psi(double h, double q) {
+  const double half = q * h / 2;
+  const double sinc = std::abs(half) < 1e-8 ? 1 : std::sin(half) / half;
+  return Complex(0, -h) * sinc * std::polar(1.0, -half);
+}
+
+/// n Chebyshev nodes of the first kind in (−1, 1).
+Eigen::ArrayXd chebyshev_nodes(int n) {
+  return Eigen::ArrayXd::NullaryExpr(
+      n, [n](Eigen::Index i) { return std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) / n); });
+}
+
+/// [degree, n] from values at n nodes to Chebyshev coefficients.
+Eigen::MatrixXd chebyshev_transform(int n) {
+  return Eigen::MatrixXd::NullaryExpr(n, n, [n](Eigen::Index k, Eigen::Index i) {
+    return (k == 0 ? 1.0 : 2.0) / n *
+           std::cos(std::numbers::pi * static_cast<double>(k) * (static_cast<double>(i) + 0.5) / n);
+  });
+}
+
+/// [n, degree] T_k at n equidistant points of [−1, 1].
+Eigen::MatrixXd chebyshev_values(int n, Eigen::Index degree) {
+  Eigen::MatrixXd t(n, degree);
+  const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(n, -1, 1);
+  t.col(0).setOnes();
+  if (degree > 1) t.col(1) = x;
+  for (Eigen::Index k = 2; k < degree; ++k)
+    t.col(k) = 2 * x * t.col(k - 1).array() - t.col(k - 2).array();
+  return t;
+}
+
+/// [n, degree] dT_k/dx = k·U_{k−1} at the same points.
+Eigen::MatrixXd chebyshev_slopes(int n, Eigen::Index degree) {
+  Eigen::MatrixXd u(n, degree + 1);  // U_{k−1} in column k
+  const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(n, -1, 1);
+  u.col(0).setZero();
+  u.col(1).setOnes();
+  for (Eigen::Index k = 2; k <= degree; ++k)
+    u.col(k) = 2 * x * u.col(k - 1).array() - u.col(k - 2).array();
+  for (Eigen::Index k = 0; k <= degree; ++k)
+    u.col(k) *= static_cast<double>(k);
+  return u.leftCols(degree);
+}
+
+/// Degrees that resolve a phase of ±`phase` radians over [−1, 1] to double precision.
+int resolving_degree(double phase) {
+  return static_cast<int>(std::ceil(phase + 6 * std::cbrt(phase) + 18));
+}
+
+/// J_0(x) … J_{n−1}(x), x ≥ 0, by Miller's downward recurrence [NIST DLMF §3.6(v)], normalised by J_0 +
+/// 2ΣJ_2k = 1.
+std::vector<double> bessel_series(double x, int n) {
+  std::vector<double> j(static_cast<std::size_t>(n), 0);
+  if (x < 1e-12) {
+    j[0] = 1;
+    if (n > 1) j[1] = x / 2;
+    return j;
+  }
+  const int start = 2 * ((std::max(n, resolving_degree(x)) + 30) / 2);
+  double above = 0, here = 1e-280, sum = 0;
+  for (int k = start; k >= 0; --k) {  // here = J_k, above = J_{k+1}
+    if (k < n) j[k] = here;
+    sum += (k == 0 ? 1 : k % 2 == 0 ? 2 : 0) * here;
+    const double below = 2 * k / x * here - above;
+    above = here;
+    here = below;
+    if (std::abs(here) > 1e200) {
+      for (int i = k; i < n; ++i)
+        j[i] *= 1e-200;
+      here *= 1e-200;
+      above *= 1e-200;
+      sum *= 1e-200;
+    }
+  }
+  for (double& value : j)
+    value /= sum;
+  return j;
+}
+
+}  // namespace
+
+HeightHistogram height_histogram(const HeightField& surface) {
+  constexpr int kBins = 512;
+  constexpr Eigen::Index kSamples = 60000;
+  HeightHistogram histogram{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(),
+                            Eigen::ArrayXd::Zero(kBins)};
+  for (const float z : surface.z.reshaped<Eigen::RowMajor>())
+    if (!is_missing(z)) {
+      histogram.low = std::min<double>(histogram.low, z);
+      histogram.high = std::max<double>(histogram.high, z);
+    }
+  if (!(histogram.low <= histogram.high)) return {0, 0, Eigen::ArrayXd::Zero(kBins)};
+  const double scale = histogram.high > histogram.low ? (kBins - 1e-6) / (histogram.high - histogram.low) : 0;
+  const Eigen::Index step = std::max<Eigen::Index>(1, surface.rows() * surface.cols() / kSamples);
+  for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j)
+    for (Eigen::Index i = j % step; i + 1 < surface.cols(); i += step) {
+      const float z = surface.z(j, i), middle = (z + surface.z(j + 1, i + 1)) / 2;
+      for (const float value : {z, middle})
+        if (!is_missing(value))
+          histogram.mass[static_cast<Eigen::Index>((value - histogram.low) * scale)] += 1;
+    }
+  const double total = histogram.mass.sum();
+  if (total > 0) histogram.mass /= total;
+  return histogram;
+}
+
+HeightBasis::HeightBasis(const HeightHistogram& heights, double origin, const WaveRange& q, double tolerance)
+    : centre_((heights.high + heights.low) / 2),
+      half_((heights.high - heights.low) / 2),
+      origin_(origin),
+      q_(q),
+      reach_(q.high * (half_ + std::abs(centre_ - origin))) {
+  if (q.high * half_ > kSvdPhase)
+    expand(tolerance);
+  else
+    decompose(heights, tolerance);
+}
+
+void HeightBasis::decompose(const HeightHistogram& heights, double tolerance) {
+  // A height that the histogram's sample missed still has to come out: a floor under the weights.
+  constexpr double kFloor = 1e-3;
+  const int n = resolving_degree(q_.high * half_);
+  const int m = resolving_degree((q_.high - q_.low) / 2 * (half_ + std::abs(centre_ - origin_)));
+  const Eigen::ArrayXd x = chebyshev_nodes(n), y = chebyshev_nodes(m);
+  // Mass of each bin goes to the nearest node; nodes descend.
+  Eigen::ArrayXd weight = Eigen::ArrayXd::Constant(n, kFloor / n);
+  for (Eigen::Index b = 0; b < heights.mass.size(); ++b) {
+    const double position = 2 * (static_cast<double>(b) + 0.5) / static_cast<double>(heights.mass.size()) - 1;
+    const double angle = std::acos(std::clamp(position, -1.0, 1.0));
+    const auto nearest = static_cast<Eigen::Index>(angle / std::numbers::pi * n);
+    weight[std::min<Eigen::Index>(nearest, n - 1)] += heights.mass[b];
+  }
+  weight = weight.sqrt();
+  Eigen::MatrixXd samples(n, 2 * m);
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < m; ++k) {
+      const Complex value =
+          psi(centre_ + half_ * x[i] - origin_, (q_.high + q_.low) / 2 + (q_.high - q_.low) / 2 * y[k]);
+      samples(i, k) = weight[i] * value.real();
+      samples(i, m + k) = weight[i] * value.imag();
+    }
+  // The squares of the singular values: half the digits, which is 1e-8 of the largest.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(samples * samples.transpose());  // ascending
+  const double allowed = m * tolerance * tolerance;
+  double tail = 0;
+  terms_ = n;
+  while (terms_ > 0 && tail + std::max(0.0, eigen.eigenvalues()[n - terms_]) <= allowed) {
+    tail += std::max(0.0, eigen.eigenvalues()[n - terms_]);
+    --terms_;
+  }
+  const Eigen::MatrixXd u = eigen.eigenvectors().rightCols(terms_).rowwise().reverse();
+  const Eigen::MatrixXd projected = samples.transpose() * u;
+  function_series_ = chebyshev_transform(n) * (weight.inverse().matrix().asDiagonal() * u);
+  coefficient_series_re_ = chebyshev_transform(m) * projected.topRows(m);
+  coefficient_series_im_ = chebyshev_transform(m) * projected.bottomRows(m);
+}
+
+void HeightBasis::expand(double tolerance) {
+  chebyshev_ = true;
+  const double phase = q_.high * half_;
+  const int all = resolving_degree(phase);
+  const std::vector<double> j = bessel_series(phase, all);
+  terms_ = all;
+  double tail = 0;
+  while (terms_ > static_cast<int>(phase) && tail + 2 * std::abs(j[terms_ - 1]) <= tolerance * q_.high) {
+    tail += 2 * std::abs(j[terms_ - 1]);
+    --terms_;
+  }
+}
+
+HeightBasis::Functions HeightBasis::functions(int n, int first, int count) const {
+  const double step = 2.0 / (n - 1);
+  if (chebyshev_) {
+    Functions f{Eigen::ArrayXXd(n, count), Eigen::ArrayXXd(n, count)};
+    parallel_blocks(n, 256, [&](std::int64_t begin, std::int64_t end) {
+      for (std::int64_t e = begin; e < end; ++e) {
+        const double angle = std::acos(std::clamp(-1 + step * static_cast<double>(e), -1.0, 1.0)),
+                     sine = std::sin(angle);
+        for (int c = 0; c < count; ++c) {
+          const double k = first + c;
+          const double end_slope = e == 0 && (first + c) % 2 == 0 ? -k * k : k * k;
+          f.value(e, c) = std::cos(k * angle);
+          f.derivative(e, c) = step * (e == 0 || e == n - 1 ? end_slope : k * std::sin(k * angle) / sine);
+        }
+      }
+    });
+    return f;
+  }
+  const Eigen::Index degree = function_series_.rows();
+  return {(chebyshev_values(n, degree) * function_series_.middleCols(first, count)).array(),
+          step * (chebyshev_slopes(n, degree) * function_series_.middleCols(first, count)).array()};
+}
+
+Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
+  Eigen::ArrayXXcd c(n, count);
+  if (!chebyshev_) {
+    const Eigen::MatrixXd t = chebyshev_values(n, coefficient_series_re_.rows());
+    c.real() = (t * coefficient_series_re_.middleCols(first, count)).array();
+    c.imag() = (t * coefficient_series_im_.middleCols(first, count)).array();
+    return c;
+  }
+  // e^{−iq(d + half·x)} = e^{−iqd} Σ_k (2 − δ_k0)(−i)^k J_k(q·half) T_k(x), d = centre − origin.
+  const Complex powers[4] = {1.0, {0, -1}, -1.0, {0, 1}};
+  parallel_blocks(n, 256, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t e = begin; e < end; ++e) {
+      const double q =
+          std::max(q_.low + (q_.high - q_.low) * static_cast<double>(e) / (n - 1), 1e-7 * q_.high);
+      const std::vector<double> j = bessel_series(q * half_, first + count);
+      const Complex shift = std::polar(1.0, -q * (centre_ - origin_));
+      for (int k = 0; k < count; ++k) {
+        const Complex series = (first + k == 0 ? 1.0 : 2.0) * powers[(first + k) % 4] * j[first + k] * shift;
+        c(e, k) = (series - (first + k == 0 ? 1.0 : 0.0)) / q;
+      }
+    }
+  });
+  return c;
+}
+
+}  // namespace micro

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+
+#include "height/height_field.h"
+
+namespace micro {
+
+/// How often heights occur: a histogram of equal bins over [low, high], of sum 1.
+struct HeightHistogram {
+  double low = 0, high = 0;  ///< µm
+  Eigen::ArrayXd mass;
+};
+
+/// The heights of the triangulated surface: vertices and, since steep facets hold what lies between, the
+/// middles of diagonals. Throws nothing; a surface without heights has no mass.
+HeightHistogram height_histogram(const HeightField& surface);
+
+/// A range of q_z, rad/µm.
+struct WaveRange {
+  double low = 0, high = 0;
+};
+
+/// ψ(h, q_z) = (e^{−i q_z h} − 1)/q_z ≈ Σ_k c_k(q_z) φ_k(h), φ_k real, c_k complex, over heights h − `origin`
+/// within the histogram and q_z within the range. ψ is bounded by |h| and tends to −ih as q_z → 0.
+///
+/// Real functions of h are what makes it cheap: two of their images go through one complex Fourier transform,
+/// and each image's spectrum is Hermitian. They come from a singular value decomposition of ψ sampled on
+/// Chebyshev nodes, weighed by how often each height occurs: about (q range)·(height range)/π terms + O(log
+/// 1/ε), fewer where heights cluster. Beyond kSvdPhase radians Jacobi–Anger takes its place, φ_k a Chebyshev
+/// polynomial: π/2 times as many terms.
+class HeightBasis {
+ public:
+  /// Keeps as many terms as it takes to bring the root mean square of ψ's error below `tolerance` µm.
+  HeightBasis(const HeightHistogram& heights, double origin, const WaveRange& q, double tolerance);
+
+  int terms() const { return terms_; }
+  /// Largest q_z·|h − origin|, rad: tables of c_k need steps well below 1/reach in units of q_z/q.high.
+  double phase_reach() const { return reach_; }
+
+  /// [n, count] φ_k and [n, count] dφ_k/dx at n ≥ 2 equidistant heights from low to high; k = first …
+  /// first+count−1; x counts heights (one step = 1).
+  struct Functions {
+    Eigen::ArrayXXd value, derivative;
+  };
+  Functions functions(int n, int first, int count) const;
+
+  /// [n, count] c_k at n ≥ 2 equidistant q_z from q.low to q.high.
+  Eigen::ArrayXXcd coefficients(int n, int first, int count) const;
+
+ private:
+  static constexpr double kSvdPhase = 250;
+
+  void decompose(const HeightHistogram& heights, double tolerance);
+  void expand(double tolerance);
+
+  double centre_, half_, origin_;  ///< heights are centre ± half
+  WaveRange q_;
+  double reach_;
+  int terms_ = 0;
+  bool chebyshev_ = false;
+  Eigen::MatrixXd function_series_;  ///< [degree, terms] Chebyshev coefficients of φ_k
+  Eigen::MatrixXd coefficient_series_re_, coefficient_series_im_;  ///< [degree, terms] the same of c_k
+};
+
+}  // namespace micro

@@ -1,0 +1,136 @@
+#include "kirchhoff/quadrature_lattice.h"
+
+#include <algorithm>
+#include <cassert>
+
+#include "height/triangles.h"
+
+namespace micro {
+
+QuadratureLattice::QuadratureLattice(const HeightField& surface, int subdivision)
+    : surface_(surface),
+      refinement_(2 * subdivision),
+      third_(static_cast<float>(surface.dx * surface.dy / 2 / subdivision / subdivision / 3)),
+      lower_(Grid<std::uint8_t>::Zero(surface.rows() - 1, surface.cols() - 1)),
+      upper_(lower_) {
+  assert(surface.rows() >= 2 && surface.cols() >= 2 && subdivision >= 1);
+  for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j) {
+    const float* z0 = &surface.z(j, 0);
+    const float* z1 = &surface.z(j + 1, 0);
+    for (Eigen::Index i = 0; i + 1 < surface.cols(); ++i) {
+      const bool diagonal = z0[i] == z0[i] && z1[i + 1] == z1[i + 1];
+      lower_(j, i) = diagonal && z0[i + 1] == z0[i + 1];
+      upper_(j, i) = diagonal && z1[i] == z1[i];
+    }
+  }
+  complete_ = (lower_ != 0).all() && (upper_ != 0).all();
+}
+
+void QuadratureLattice::fill(std::int64_t l, LatticeRow& row) const {
+  const auto n = static_cast<std::size_t>(cols());
+  row.z.assign(n, 0);
+  row.area.assign(n, 0);
+  row.nx.assign(n, 0);
+  row.ny.assign(n, 0);
+  row.rim.clear();
+  const auto j = static_cast<Eigen::Index>(l / refinement_);
+  const int b = static_cast<int>(l % refinement_);
+  if (b == 0)
+    fill_vertex_row(j, row);
+  else
+    fill_inner_row(j, b, row);
+  for (int x = 0; x < static_cast<int>(n); ++x)
+    if (row.nx[x] != 0 || row.ny[x] != 0) row.rim.push_back(x);
+}
+
+void QuadratureLattice::fill_vertex_row(Eigen::Index j, LatticeRow& row) const {
+  const auto dx = static_cast<float>(surface_.dx), dy = static_cast<float>(surface_.dy);
+  const int r = refinement_;
+  const float* z = &surface_.z(j, 0);
+  // Along the horizontal edges: the triangle above is a lower one, the one below an upper one.
+  for (Eigen::Index i = 0; i + 1 < surface_.cols(); ++i) {
+    const int above = lower(j, i), below = upper(j - 1, i);
+    if (above + below == 0) continue;
+    for (int a = 1; a < r; ++a) {
+      const float t = static_cast<float>(a) / static_cast<float>(r);
+      row.z[i * r + a] = z[i] + t * (z[i + 1] - z[i]);
+      if (a % 2 == 1) row.area[i * r + a] = static_cast<float>(above + below) * third_;
+    }
+    if (above + below == 1)
+      for (int a = 0; a <= r; ++a)
+        row.ny[i * r + a] += static_cast<float>(below - above) * dx * simpson(a);
+  }
+  // At the vertices: ends of the vertical and diagonal edges of the rim that meet there.
+  const float end = simpson(0);
+  for (Eigen::Index i = 0; i < surface_.cols(); ++i) {
+    for (const Eigen::Index cell : {j, j - 1}) {
+      const int right = upper(cell, i), left = lower(cell, i - 1);
+      if (right + left == 1) row.nx[i * r] += static_cast<float>(left - right) * dy * end;
+      const Eigen::Index k = cell == j ? i : i - 1;
+      const int under = lower(cell, k), over = upper(cell, k);
+      if (under + over == 1) {
+        row.nx[i * r] += static_cast<float>(over - under) * dy * end;
+        row.ny[i * r] += static_cast<float>(under - over) * dx * end;
+      }
+    }
+    if (row.nx[i * r] != 0 || row.ny[i * r] != 0) row.z[i * r] = z[i];
+  }
+}
+
+void QuadratureLattice::fill_inner_row(Eigen::Index j, int b, LatticeRow& row) const {
+  const auto dx = static_cast<float>(surface_.dx), dy = static_cast<float>(surface_.dy);
+  const int r = refinement_;
+  const float v = static_cast<float>(b) / static_cast<float>(r);
+  const float* z0 = &surface_.z(j, 0);
+  const float* z1 = &surface_.z(j + 1, 0);
+  const float along = simpson(b);
+  for (Eigen::Index i = 0; i < surface_.cols(); ++i) {
+    const int right = upper(j, i), left = lower(j, i - 1);
+    if (right + left > 0) {
+      row.z[i * r] = z0[i] + v * (z1[i] - z0[i]);
+      if (b % 2 == 1) row.area[i * r] = static_cast<float>(right + left) * third_;
+      if (right + left == 1) row.nx[i * r] = static_cast<float>(left - right) * dy * along;
+    }
+    const int under = lower(j, i), over = upper(j, i);
+    if (under + over == 0) continue;
+    row.z[i * r + b] = z0[i] + v * (z1[i + 1] - z0[i]);
+    if (b % 2 == 1) row.area[i * r + b] = static_cast<float>(under + over) * third_;
+    if (under + over == 1) {
+      row.nx[i * r + b] = static_cast<float>(over - under) * dy * along;
+      row.ny[i * r + b] = static_cast<float>(under - over) * dx * along;
+    }
+    if (r == 2) continue;
+    if (over)
+      for (int a = 1; a < b; ++a) {
+        const float u = static_cast<float>(a) / static_cast<float>(r);
+        row.z[i * r + a] = z0[i] + v * (z1[i] - z0[i]) + u * (z1[i + 1] - z1[i]);
+        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * third_;
+      }
+    if (under)
+      for (int a = b + 1; a < r; ++a) {
+        const float u = static_cast<float>(a) / static_cast<float>(r);
+        row.z[i * r + a] = z0[i] + u * (z0[i + 1] - z0[i]) + v * (z1[i + 1] - z0[i + 1]);
+        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * third_;
+      }
+  }
+}
+
+double rim_fraction(const HeightField& surface) {
+  std::int64_t triangles = 0, shared = 0;
+  const auto there = [&](Eigen::Index j, Eigen::Index i) { return !is_missing(surface.z(j, i)); };
+  for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j)
+    for (Eigen::Index i = 0; i + 1 < surface.cols(); ++i) {
+      const bool diagonal = there(j, i) && there(j + 1, i + 1);
+      const bool lower = diagonal && there(j, i + 1), upper = diagonal && there(j + 1, i);
+      triangles += lower + upper;
+      shared += lower && upper;
+      // Across the lower triangle's vertical edge lies the next cell's upper one; across the upper triangle's
+      // horizontal edge, the lower one of the cell above. Each shares two corners and needs a third.
+      if (lower && i + 2 < surface.cols()) shared += there(j + 1, i + 2);
+      if (upper && j + 2 < surface.rows()) shared += there(j + 2, i + 1);
+    }
+  const std::int64_t edges = 3 * triangles - shared;
+  return edges > 0 ? static_cast<double>(edges - shared) / static_cast<double>(edges) : 0;
+}
+
+}  // namespace micro

@@ -1,0 +1,145 @@
+#include "ndf/gaussian_passes.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+// Highway compiles this file once for each instruction set and picks the best one at run time.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "ndf/gaussian_passes.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace micro::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::ScalableTag<double>;
+using V = hn::Vec<D>;
+
+// Four vectors of outputs at a time: 4·Moments independent sums hide the latency of the multiply-adds, and
+// one load of the input serves all moments.
+template <std::size_t Moments>
+void AlongRow(const double* padded, const GaussianTaps& taps, std::size_t row, std::size_t tile_begin,
+              std::size_t tile_end, TiledRows* const* out) {
+  const D d;
+  constexpr std::size_t kVectors = 4;
+  const std::size_t lanes = hn::Lanes(d), step = kVectors * lanes;
+  static_assert(kTileColumns % (kVectors * hn::MaxLanes(D())) == 0);
+  for (std::size_t tile = tile_begin; tile < tile_end; ++tile)
+    for (std::size_t i = 0; i < kTileColumns; i += step) {
+      V sum[Moments][kVectors];
+      for (auto& sums : sum)
+        for (V& s : sums)
+          s = hn::Zero(d);
+      const double* in = padded + tile * kTileColumns + i;
+      for (std::size_t t = 0; t < taps.size(); ++t) {
+        V z[kVectors];
+        for (std::size_t v = 0; v < kVectors; ++v)
+          z[v] = hn::LoadU(d, in + t + v * lanes);
+        for (std::size_t m = 0; m < Moments; ++m) {
+          const V weight = hn::Set(d, taps.moment(m)[t]);
+          for (std::size_t v = 0; v < kVectors; ++v)
+            sum[m][v] = hn::MulAdd(weight, z[v], sum[m][v]);
+        }
+      }
+      for (std::size_t m = 0; m < Moments; ++m)
+        for (std::size_t v = 0; v < kVectors; ++v)
+          hn::StoreU(sum[m][v], d, out[m]->at(tile, row) + i + v * lanes);
+    }
+}
+
+// Two vectors × Rows outputs × Moments sums share each pair of loads.
+template <std::size_t Moments, std::size_t Rows>
+void AcrossRows(const TiledRows& in, const GaussianTaps& taps, std::size_t tile, std::size_t row,
+                std::size_t first, TileBlock* out) {
+  const D d;
+  constexpr std::size_t kVectors = 2;
+  static_assert(kBlockRows % Rows == 0 && Rows <= GaussianTaps::kPad);
+  const std::size_t lanes = hn::Lanes(d), step = kVectors * lanes;
+  const std::ptrdiff_t radius = static_cast<std::ptrdiff_t>(taps.radius());
+  for (std::size_t r0 = 0; r0 < kBlockRows; r0 += Rows) {
+    const std::ptrdiff_t j = static_cast<std::ptrdiff_t>(row + r0);
+    const std::ptrdiff_t begin = std::max<std::ptrdiff_t>(0, j - radius);
+    const std::ptrdiff_t end =
+        std::min(static_cast<std::ptrdiff_t>(in.rows()), j + radius + static_cast<std::ptrdiff_t>(Rows));
+    for (std::size_t i = 0; i < kTileColumns; i += step) {
+      V sum[Moments][Rows][kVectors];
+      for (auto& rows : sum)
+        for (auto& sums : rows)
+          for (V& s : sums)
+            s = hn::Zero(d);
+      const double* source = in.at(tile, 0) + i;
+      for (std::ptrdiff_t k = begin; k < end; ++k) {
+        V z[kVectors];
+        for (std::size_t v = 0; v < kVectors; ++v)
+          z[v] = hn::LoadU(d, source + static_cast<std::size_t>(k) * kTileColumns + v * lanes);
+        for (std::size_t m = 0; m < Moments; ++m) {
+          const double* weights = taps.moment(first + m) + (k - j + radius);
+          for (std::size_t r = 0; r < Rows; ++r) {
+            const V weight = hn::Set(d, *(weights - r));
+            for (std::size_t v = 0; v < kVectors; ++v)
+              sum[m][r][v] = hn::MulAdd(weight, z[v], sum[m][r][v]);
+          }
+        }
+      }
+      for (std::size_t m = 0; m < Moments; ++m)
+        for (std::size_t r = 0; r < Rows; ++r)
+          for (std::size_t v = 0; v < kVectors; ++v)
+            hn::StoreU(sum[m][r][v], d, out[m][r0 + r] + i + v * lanes);
+    }
+  }
+}
+
+void AlongRowDispatch(const double* padded, const GaussianTaps& taps, std::size_t row, std::size_t tile_begin,
+                      std::size_t tile_end, std::size_t moments, TiledRows* const* out) {
+  if (moments == 2) return AlongRow<2>(padded, taps, row, tile_begin, tile_end, out);
+  return AlongRow<3>(padded, taps, row, tile_begin, tile_end, out);
+}
+
+void AcrossRowsDispatch(const TiledRows& in, const GaussianTaps& taps, std::size_t tile, std::size_t row,
+                        std::size_t first, std::size_t moments, TileBlock* out) {
+  if (moments == 1) return AcrossRows<1, 4>(in, taps, tile, row, first, out);
+  if (moments == 2) return AcrossRows<2, 2>(in, taps, tile, row, first, out);
+  return AcrossRows<3, 2>(in, taps, tile, row, first, out);
+}
+
+}  // namespace micro::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace micro {
+HWY_EXPORT(AlongRowDispatch);
+HWY_EXPORT(AcrossRowsDispatch);
+
+GaussianTaps::GaussianTaps(double pitch, double sigma, std::size_t longest)
+    : radius_(std::min(static_cast<std::size_t>(std::ceil(std::min(kReach * sigma / pitch, 1e9))), longest)),
+      taps_(3 * stride()) {
+  for (std::size_t t = 0; t < size(); ++t) {
+    const double x = (static_cast<double>(t) - static_cast<double>(radius_)) * pitch / sigma;
+    const double w = std::exp(-x * x / 2);
+    double* taps = taps_.data() + kPad + t;
+    taps[0] = w;
+    taps[stride()] = x * w;
+    taps[2 * stride()] = x * x * w;
+  }
+}
+
+std::vector<double> padded_row(std::size_t cols, std::size_t radius) {
+  return std::vector<double>((cols + kTileColumns - 1) / kTileColumns * kTileColumns + 2 * radius);
+}
+
+void pass_along_row(const double* padded, const GaussianTaps& taps, std::size_t row, std::size_t tile_begin,
+                    std::size_t tile_end, std::size_t moments, TiledRows* const* out) {
+  assert(moments == 2 || moments == 3);
+  HWY_DYNAMIC_DISPATCH(AlongRowDispatch)(padded, taps, row, tile_begin, tile_end, moments, out);
+}
+
+void pass_across_rows(const TiledRows& in, const GaussianTaps& taps, std::size_t tile, std::size_t row,
+                      std::size_t first, std::size_t moments, TileBlock* out) {
+  assert(moments >= 1 && first + moments <= 3);
+  HWY_DYNAMIC_DISPATCH(AcrossRowsDispatch)(in, taps, tile, row, first, moments, out);
+}
+
+}  // namespace micro
+#endif

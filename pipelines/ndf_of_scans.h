@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "distribution/disk_table.h"
+#include "distribution/signature.h"
+#include "io/png.h"
+#include "pipelines/ndf_estimator.h"
+#include "pipelines/plan.h"
+#include "pipelines/prepare_scan.h"
+#include "pipelines/scan_listing.h"
+
+namespace micro {
+
+/// An instrument signature and what to call the tables that it blurred.
+struct NamedSignature {
+  std::string name;  ///< e.g. "1.5deg"
+  Signature signature;
+};
+
+/// How far out a table goes: all that the data can tell (for D_K that ends at the first false order, sinθ =
+/// λ_q/(2·pitch)), what holds the energy, or a half width in m_xy.
+struct WholeDisk {};
+struct HoldsEnergy {};
+using Extent = std::variant<WholeDisk, HoldsEnergy, double>;
+
+/// Everything that decides the outcome of a run; what is absent is neither computed nor stored.
+struct NdfRequest {
+  std::vector<NdfMethod> methods;
+  int size = 1025;  ///< nodes along a side of the disk table
+  Extent extent = WholeDisk{};
+  Preparation prepare;
+  std::optional<NamedSignature> signature;
+  enum class Pitches { MustAgree, MayDiffer } pitches = Pitches::MustAgree;
+  enum class Statistics { LeaveOut, Compute } statistics = Statistics::Compute;
+  int thumbnails = 0;  ///< pictures of the first so many scans
+};
+
+/// What is kept of each scan.
+struct ScanRecord {
+  std::string source, sha256, format;
+  Eigen::Index rows = 0, cols = 0, missing = 0;
+  double dx = 0, dy = 0;                  ///< µm
+  Eigen::Index rejected = 0, filled = 0;  ///< outliers made missing; missing points filled
+  std::optional<double> Sq;               ///< µm, after levelling
+  std::optional<double> Sdq;              ///< after levelling
+  std::optional<std::string> failure;     ///< why it is not part of the result
+};
+
+/// One table over all scans.
+struct NdfOfScans {
+  NdfMethod method;
+  DiskTable density;                           ///< 1/sr
+  std::optional<Grid<double>> standard_error;  ///< 1/sr, over scans
+  std::int64_t scans = 0;
+  double area = 0;                         ///< Σ A_perp, µm²
+  double outside = 0;                      ///< fraction of the samples beyond the extent
+  std::int64_t samples = 0;                ///< normals counted
+  std::int64_t without_normal = 0;         ///< points whose neighbours determine no plane
+  std::optional<double> truncation_error;  ///< bound on a slope's error from cutting the window
+  std::int64_t unreached = 0;              ///< tables of D_K that missed their tolerance
+  double valid_sin_theta = 1;              ///< beyond it the pitch does not resolve the surface
+  double rel_error = 0;                    ///< relative error of the estimator; 0: exact but for rounding
+  double seconds = 0;                      ///< of computing it, summed over scans
+  std::optional<std::string> signature;    ///< name of the signature that it was blurred with
+};
+
+struct NdfResult {
+  std::vector<ScanRecord> scans;  ///< in the order of the listing
+  std::vector<NdfOfScans> ndfs;
+  std::vector<Picture> thumbnails;
+  Plan plan;
+};
+
+/// Told after each scan.
+struct Progress {
+  std::int64_t done, total;
+  const std::string& source;
+};
+
+/// The main recipe [Dong15 §4, §5]: reads, levels and measures each scan, estimates its normal distributions,
+/// and averages them weighted by projected area. A scan that fails is recorded and the others go on. The
+/// result is the same for any number of threads. Throws InputError, naming the groups, if the scans' pitches
+/// differ by more than 1 % and may not.
+NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
+                       const std::function<void(const Progress&)>& report);
+
+}  // namespace micro

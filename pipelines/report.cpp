@@ -1,0 +1,66 @@
+#include <fstream>
+#include <iomanip>
+#include <sstream>
+
+#include "io/atomic_file.h"
+#include "pipelines/result_file.h"
+#include "pipelines/version.h"
+
+namespace micro {
+namespace {
+
+std::string number(const std::optional<double>& value) {
+  if (!value) return "–";
+  std::ostringstream text;
+  text << std::setprecision(4) << *value;
+  return text.str();
+}
+
+void add_scans(std::ostringstream& text, const NdfResult& result) {
+  text << "## Scans\n\n"
+       << "| scan | format | rows × cols | pitch, µm | missing | Sq, µm | Sdq "
+          "|\n|---|---|---|---|---|---|---|\n";
+  for (const ScanRecord& scan : result.scans)
+    if (!scan.failure)
+      text << "| " << scan.source << " | " << scan.format << " | " << scan.rows << " × " << scan.cols << " | "
+           << number(scan.dx) << " × " << number(scan.dy) << " | " << scan.missing << " | " << number(scan.Sq)
+           << " | " << number(scan.Sdq) << " |\n";
+  text << "\nSq and Sdq after levelling.\n";
+  bool failures = false;
+  for (const ScanRecord& scan : result.scans) {
+    if (!scan.failure) continue;
+    if (!failures) text << "\n## Failed\n\n";
+    failures = true;
+    text << "- " << scan.source << ": " << *scan.failure << "\n";
+  }
+}
+
+void add_ndfs(std::ostringstream& text, const NdfResult& result) {
+  text << "\n## Normal distributions\n\n"
+       << "| method | estimator | scans | extent | ∫D m_z dω | relative error | seconds "
+          "|\n|---|---|---|---|---|---|---|\n";
+  for (const NdfOfScans& ndf : result.ndfs)
+    text << "| " << ndf.method.name << " | " << estimator_of(ndf.method) << " | " << ndf.scans << " | "
+         << number(ndf.density.grid.extent) << " | " << number(normalization(ndf.density)) << " | "
+         << number(ndf.rel_error) << " | " << number(ndf.seconds) << " |\n";
+}
+
+}  // namespace
+
+void write_report(const std::filesystem::path& path, const NdfResult& result, const ScanListing& listing,
+                  const std::string& command) {
+  std::ostringstream text;
+  text << "# microbrdf " << version() << "\n\n`" << command << "`\n\n";
+  add_scans(text, result);
+  if (!listing.skipped.empty()) {
+    text << "\n## Skipped\n\n";
+    for (const Skipped& skipped : listing.skipped)
+      text << "- " << skipped.source << ": " << skipped.reason << "\n";
+  }
+  add_ndfs(text, result);
+  text << "\n## Plan\n\n" << to_text(result.plan);
+  const std::string bytes = text.str();
+  write_file(path, std::as_bytes(std::span(bytes)));
+}
+
+}  // namespace micro

@@ -1,0 +1,132 @@
+#include "pipelines/result_file.h"
+
+#include <chrono>
+#include <ctime>
+#include <iomanip>
+#include <sstream>
+
+#include "io/exr.h"
+#include "io/hdf5_writer.h"
+#include "pipelines/version.h"
+
+namespace micro {
+namespace {
+
+/// UTC, ISO 8601.
+std::string now() {
+  const std::time_t time = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm utc{};
+  gmtime_r(&time, &utc);
+  std::ostringstream text;
+  text << std::put_time(&utc, "%Y-%m-%dT%H:%M:%SZ");
+  return text.str();
+}
+
+std::string numbered(std::size_t k) {
+  std::ostringstream text;
+  text << std::setw(5) << std::setfill('0') << k;
+  return text.str();
+}
+
+void write_scan(Hdf5Writer& file, const std::string& group, const ScanRecord& scan) {
+  file.create_group(group);
+  const auto set = [&](const char* name, const auto& value) { file.set_attribute(group, name, value); };
+  set("source", std::string_view(scan.source));
+  set("status", std::string_view(scan.failure ? "failed" : "done"));
+  set("message", std::string_view(scan.failure.value_or("")));
+  if (scan.failure) return;
+  set("sha256", std::string_view(scan.sha256));
+  set("scan_format", std::string_view(scan.format));
+  set("rows", scan.rows);
+  set("cols", scan.cols);
+  set("dx_um", scan.dx);
+  set("dy_um", scan.dy);
+  set("missing", scan.missing);
+  if (scan.rejected > 0) set("rejected", scan.rejected);
+  if (scan.filled > 0) set("filled", scan.filled);
+  if (scan.Sq) set("Sq_um", *scan.Sq);
+  if (scan.Sdq) set("Sdq", *scan.Sdq);
+}
+
+/// m_x of the columns, or m_y of the rows: the axes that readers see.
+std::vector<double> axis(const DiskGrid& grid) {
+  std::vector<double> nodes;
+  for (Eigen::Index i = 0; i < grid.size; ++i)
+    nodes.push_back(grid.coordinate(i));
+  return nodes;
+}
+
+void write_table(Hdf5Writer& file, const std::string& group, const std::string& name,
+                 const Grid<double>& values) {
+  constexpr int kDeflate = 1;  // tables are mostly zeros or smooth; more effort gains little
+  const std::string dataset = group + "/" + name;
+  file.write(dataset, Grid<float>(values.cast<float>()), kDeflate);
+  file.attach_scale(dataset, 0, group + "/m_y", "m_y");
+  file.attach_scale(dataset, 1, group + "/m_x", "m_x");
+}
+
+void write_ndf(Hdf5Writer& file, const NdfOfScans& ndf) {
+  const std::string group = "/ndf/" + ndf.method.name;
+  file.create_group(group);
+  const auto set = [&](const char* name, const auto& value) { file.set_attribute(group, name, value); };
+  const std::vector<double> nodes = axis(ndf.density.grid);
+  for (const char* name : {"m_x", "m_y"}) {
+    file.write<double>(group + "/" + name, nodes, {nodes.size()});
+    file.make_scale(group + "/" + name, name);
+  }
+  write_table(file, group, "density", ndf.density.density);
+  if (ndf.standard_error) write_table(file, group, "standard_error", *ndf.standard_error);
+  set("extent", ndf.density.grid.extent);
+  set("unit", std::string_view("1/sr"));
+  set("normalization", normalization(ndf.density));
+  set("area_um2", ndf.area);
+  set("scans", ndf.scans);
+  set("samples", ndf.samples);
+  set("outside_extent", ndf.outside);
+  set("valid_sin_theta", ndf.valid_sin_theta);
+  set("estimator", std::string_view(estimator_of(ndf.method)));
+  set("rel_error", ndf.rel_error);
+  set("seconds", ndf.seconds);
+  if (const auto* filtered = std::get_if<Filtered>(&ndf.method.kind)) {
+    set("sigma_um", filtered->sigma);
+    set("without_normal", ndf.without_normal);
+    set("slope_truncation_error", ndf.truncation_error.value_or(0));
+  }
+  if (const auto* kirchhoff = std::get_if<Kirchhoff>(&ndf.method.kind)) {
+    set("lambda_q_um", kirchhoff->lambda_q);
+    set("tolerance", kirchhoff->tolerance);
+    set("missed_tolerance", ndf.unreached);
+    if (const auto* windows = std::get_if<SubWindows>(&kirchhoff->coherence))
+      set("coherence_area_um2", windows->area);
+  }
+  if (ndf.signature) set("signature", std::string_view(*ndf.signature));
+}
+
+}  // namespace
+
+void write_result(const std::filesystem::path& path, const NdfResult& result, const std::string& command) {
+  Hdf5Writer file(path);
+  file.set_attribute("/", "format", std::string_view("microbrdf"));
+  file.set_attribute("/", "format_version", 1);
+  file.set_attribute("/", "microbrdf_version", version());
+  file.set_attribute("/", "created", std::string_view(now()));
+  file.set_attribute("/", "command", std::string_view(command));
+  file.create_group("/scans");
+  for (std::size_t k = 0; k < result.scans.size(); ++k)
+    write_scan(file, "/scans/" + numbered(k), result.scans[k]);
+  if (!result.ndfs.empty()) file.create_group("/ndf");
+  for (const NdfOfScans& ndf : result.ndfs)
+    write_ndf(file, ndf);
+  file.write_text("/plan", to_json(result.plan));
+  file.finish();
+}
+
+void write_ndf_picture(const std::filesystem::path& path, const NdfOfScans& ndf) {
+  write_exr(path, {{"Y", ndf.density.density.cast<float>()}},
+            {{"method", ndf.method.name},
+             {"unit", "1/sr"},
+             {"extent", std::to_string(ndf.density.grid.extent)},
+             {"software", "microbrdf " + std::string(version())}});
+}
+
+}  // namespace micro

@@ -1,0 +1,100 @@
+#include "pipelines/scan_listing.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "io/scan.h"
+
+namespace micro {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_same(const fs::path& a, const std::optional<fs::path>& b) {
+  std::error_code ignored;
+  return b && fs::equivalent(a, *b, ignored);
+}
+
+/// Why a file found in a directory is not taken; nothing if it is.
+std::optional<std::string> reason_to_skip(const fs::path& path) {
+  if (is_temporary(path)) return "an unfinished output of a run that was stopped";
+  const ScanFormat* format = recognise_scan(path);
+  if (!format) return "no scan by its content";
+  if (format->listed == ScanFormat::Listed::WhenNamed)
+    return std::string(format->name) + " is read only when its file is named";
+  return std::nullopt;
+}
+
+void list_directory(const fs::path& directory, const std::optional<fs::path>& leave_out,
+                    ScanListing& listing) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(directory, fs::directory_options::none, error);
+  if (error) throw FileError(directory, "cannot be read: " + error.message());
+  const auto source = [&](const fs::path& path) {
+    return path.lexically_relative(directory).generic_string();
+  };
+  for (; entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    if (error) throw FileError(directory, "cannot be read: " + error.message());
+    const fs::path& path = entry->path();
+    std::error_code ignored;
+    if (entry->is_directory(ignored) && !entry->is_symlink(ignored)) {
+      if (is_same(path, leave_out)) {
+        listing.skipped.push_back({source(path), "it is the output"});
+        entry.disable_recursion_pending();
+      } else if (::access(path.c_str(), R_OK | X_OK) != 0) {
+        listing.skipped.push_back({source(path), "the folder cannot be read"});
+        entry.disable_recursion_pending();
+      }
+    } else if (entry->is_regular_file(ignored)) {
+      files.push_back(path);
+    } else {
+      listing.skipped.push_back({source(path), "neither a file nor a folder"});
+    }
+  }
+  std::sort(files.begin(), files.end(),
+            [&](const fs::path& a, const fs::path& b) { return source(a) < source(b); });
+  for (const fs::path& path : files) {
+    if (is_same(path, leave_out)) continue;
+    std::optional<std::string> reason;
+    try {
+      reason = reason_to_skip(path);
+    } catch (const FileError&) {
+      // A file that cannot even be opened may be a scan: it fails when it is read, by name.
+    }
+    if (reason)
+      listing.skipped.push_back({source(path), *reason});
+    else
+      listing.scans.push_back({path, source(path)});
+  }
+}
+
+}  // namespace
+
+ScanListing list_scans(const std::vector<fs::path>& paths, const std::optional<fs::path>& leave_out) {
+  ScanListing listing;
+  for (const fs::path& path : paths) {
+    std::error_code error;
+    if (fs::is_directory(path, error))
+      list_directory(path, leave_out, listing);
+    else if (fs::exists(path, error))
+      listing.scans.push_back({path, path.generic_string()});
+    else
+      throw FileError(path, "does not exist");
+  }
+  // A file that is named twice is one scan.
+  std::set<fs::path> seen;
+  std::erase_if(listing.scans, [&](const ListedScan& scan) {
+    std::error_code ignored;
+    const bool again = !seen.insert(fs::weakly_canonical(scan.path, ignored)).second;
+    if (again) listing.skipped.push_back({scan.source, "it is listed already"});
+    return again;
+  });
+  return listing;
+}
+
+}  // namespace micro

@@ -1,0 +1,53 @@
+#include "pipelines/study.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "height/gaussian_surface.h"
+#include "height/make_holes.h"
+#include "io/zygo_dat.h"
+#include "testing/temporary_folder.h"
+
+namespace micro {
+namespace {
+
+class StudyTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    HeightField surface = gaussian_surface({120, 120, 0.2, 0.2}, {.rms = 0.3, .tau_x = 2, .tau_y = 2}, 3);
+    surface = make_holes(surface, {.fraction = 0.02}, 4);
+    surface.z(60, 60) += 40;  // an outlier, as a profilometer leaves them
+    write_zygo_dat(folder_.path() / "scan.dat", surface);
+    request_.size = 129;
+  }
+  ScanListing listing() { return list_scans({folder_.path()}); }
+
+  TemporaryFolder folder_;
+  NdfRequest request_;
+};
+
+TEST_F(StudyTest, WiderWindowsGiveNarrowerLobes) {
+  const Study study = study_sigma(listing(), request_, {0.5, 1, 2});
+  ASSERT_EQ(study.rows.size(), 4u);
+  EXPECT_GT(study.rows[1].width_x, study.rows[2].width_x);
+  EXPECT_GT(study.rows[2].width_x, study.rows[3].width_x);
+  EXPECT_EQ(study.rows[2].difference, 0);
+  EXPECT_GT(study.rows[3].difference, 0);
+  EXPECT_NE(to_markdown(study).find("filtered_0.5um"), std::string::npos);
+  EXPECT_NE(to_csv(study).find("filtered_2um"), std::string::npos);
+}
+
+TEST_F(StudyTest, FiltersReportWhatTheyChanged) {
+  const Study study = study_filters(listing(), request_);
+  ASSERT_EQ(study.rows.size(), 4u);
+  EXPECT_EQ(study.rows[0].rejected, 0);
+  EXPECT_GE(study.rows[1].rejected, 1);
+  EXPECT_GT(study.rows[2].filled, 0);
+  EXPECT_GT(study.rows[3].filled, study.rows[2].filled);
+  EXPECT_EQ(study.rows[0].difference, 0);
+  EXPECT_TRUE(std::isfinite(study.rows[3].difference));
+}
+
+}  // namespace
+}  // namespace micro

@@ -1,0 +1,44 @@
+#include <memory>
+
+#include "pipelines/result_file.h"
+#include "tools/commands.h"
+#include "tools/ndf_options.h"
+
+namespace micro::tools {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  NdfOptions ndf;
+  std::vector<std::string> scans;
+  std::string output;
+  std::vector<std::string> methods = {"filtered"};
+};
+
+int run(const Options& options) {
+  NdfRequest request = make_request(options.ndf, options.methods);
+  request.statistics = NdfRequest::Statistics::LeaveOut;
+  const ScanListing listing = list_scans({options.scans.begin(), options.scans.end()}, options.output);
+  const NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
+  if (!result.ndfs.empty()) write_result(options.output, result, command_line());
+  return conclude(result, listing, options.common, options.output);
+}
+
+}  // namespace
+
+Run add_ndf(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  app.add_option("SCAN", options->scans, "Scans, or directories of scans")->required();
+  app.add_option("-o,--output", options->output, "HDF5 file to write")->required();
+  app.add_option("--method", options->methods, "naive, filtered or kirchhoff; repeatable")
+      ->check(CLI::IsMember({"naive", "filtered", "kirchhoff"}))
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  add_ndf_options(app, options->ndf);
+  add_common_options(
+      app, options->common,
+      "microbrdf ndf scans/ -o brushed.h5 --method naive --method filtered --sigma 1um --signature 1.5deg");
+  return [options] { return run(*options); };
+}
+
+}  // namespace micro::tools

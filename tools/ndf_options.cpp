@@ -1,0 +1,265 @@
+#include "tools/ndf_options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <iomanip>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/estimate.h"
+#include "io/signature_file.h"
+#include "tools/commands.h"
+#include "tools/pitch_option.h"
+#include "tools/units.h"
+
+namespace micro::tools {
+namespace {
+
+/// An angle, or else the file of a measured signature.
+NamedSignature make_signature(const std::string& text) {
+  if (std::filesystem::exists(text))
+    return {std::filesystem::path(text).stem().string(), read_signature(text)};
+  double fwhm = 0;
+  try {
+    fwhm = parse_angle(text);
+  } catch (const CLI::ValidationError&) {
+    throw CLI::ValidationError("--signature: '" + text + "' is neither an angle like 1.5deg nor a file");
+  }
+  std::ostringstream name;
+  name << fwhm * 180 / std::numbers::pi << "deg";
+  return {name.str(), gaussian_signature(fwhm)};
+}
+
+Extent make_extent(const std::string& text) {
+  if (text.empty()) return WholeDisk{};
+  if (text == "auto") return HoldsEnergy{};
+  try {
+    std::size_t end = 0;
+    const double extent = std::stod(text, &end);
+    if (end == text.size() && extent > 0 && extent <= 1) return extent;
+  } catch (const std::exception&) {
+    // falls through to the sentence below
+  }
+  throw CLI::ValidationError("--extent: '" + text + "' is neither 'auto' nor a number in (0, 1]");
+}
+
+/// patch, an area in µm² or source:ANGLE, the full diameter of a round source at wavelength λ.
+Coherence make_coherence(const std::string& text, double lambda) {
+  if (text == "patch") return WholePatch{};
+  constexpr std::string_view kSource = "source:";
+  if (text.starts_with(kSource))
+    return SubWindows{coherence_area(lambda, parse_angle(text.substr(kSource.size())))};
+  try {
+    std::size_t end = 0;
+    const double area = std::stod(text, &end);
+    if (end == text.size() && area > 0 && std::isfinite(area)) return SubWindows{area};
+  } catch (const std::exception&) {
+    // falls through to the sentence below
+  }
+  throw CLI::ValidationError("--coherence: '" + text + "' is not patch, an area in µm², or source:ANGLE");
+}
+
+Kirchhoff make_kirchhoff(const NdfOptions& options) {
+  const double lambda_q =
+      options.lambda > 0 ? options.lambda / std::cos(options.theta_d / 2) : options.lambda_q;
+  if (!(lambda_q > 0)) throw CLI::ValidationError("--lambda-q: a wavelength must be positive");
+  if (!(options.tolerance > 0 && options.tolerance < 1))
+    throw CLI::ValidationError("--tol: must lie in (0, 1)");
+  return {lambda_q, options.tolerance,
+          make_coherence(options.coherence, options.lambda > 0 ? options.lambda : lambda_q)};
+}
+
+/// The whole patch has the plain name; a coherence area gets a group of its own.
+std::string kirchhoff_name(const NdfOptions& options) {
+  if (options.coherence == "patch") return "kirchhoff";
+  std::string name = "kirchhoff_";
+  for (const char letter : options.coherence)
+    if (letter != ':') name += letter;
+  return std::isdigit(static_cast<unsigned char>(options.coherence.front())) ? name + "um2" : name;
+}
+
+}  // namespace
+
+void add_ndf_options(CLI::App& app, NdfOptions& options) {
+  app.add_option_function<std::vector<std::string>>(
+         "--sigma",
+         [&options](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts)
+             options.sigmas.push_back(parse_length(text));
+         },
+         "Standard deviation of the filtered NDF's Gaussian window (default 1um); repeatable")
+      ->type_name("LENGTH")
+      ->allow_extra_args(false);
+  app.add_option("--size", options.size, "Nodes along a side of the disk table, odd")
+      ->check(CLI::Range(3, 16385))
+      ->capture_default_str();
+  app.add_option(
+      "--extent", options.extent,
+      "Half width of the table in m_xy, in (0, 1], or 'auto': what holds the energy (default: all of the "
+      "disk that the data can tell of)");
+  app.add_option("--level", options.level, "Form to remove: none, mean, plane or quadratic")
+      ->capture_default_str();
+  app.add_option("--reject-outliers", options.outlier_threshold,
+                 "Make points missing that lie so many robust standard deviations off their neighbours (off "
+                 "by default)")
+      ->check([](const std::string& text) {
+        return std::atof(text.c_str()) > 0 ? std::string()
+                                           : "the threshold must be a positive number, not " + text;
+      });
+  app.add_flag("--fill-holes", options.fill_holes, "Fill missing points harmonically (off by default)");
+  app.add_option(
+      "--signature", options.signature,
+      "Also write every NDF convolved with the instrument's signature: the full width at half maximum of a "
+      "Gaussian in half-vector angle, e.g. 1.5deg, or a file of rows `angle_deg response`");
+  CLI::Option* lambda_q = add_length(app, "--lambda-q", options.lambda_q,
+                                     "Effective wavelength of D_K, lambda/cos(theta_d/2) (default 555nm)");
+  CLI::Option* lambda =
+      add_length(app, "--lambda", options.lambda, "Wavelength of light, instead of --lambda-q");
+  lambda->excludes(lambda_q);
+  add_angle(app, "--theta-d", options.theta_d,
+            "Full angle between light and viewer, with --lambda (default 0)")
+      ->needs(lambda);
+  app.add_option("--tol", options.tolerance, "Relative L2 error of D_K's table")->capture_default_str();
+  app.add_option(
+         "--coherence", options.coherence,
+         "Coherence area of D_K: patch, an area in µm², or source:9deg, the diameter of a round source")
+      ->capture_default_str();
+  lambda->check([](const std::string& text) {
+    return parse_length(text) > 0 ? std::string() : "a wavelength must be positive, not " + text;
+  });
+  add_pitch(app, options.read);
+  app.add_flag("--mixed", options.mixed, "Take scans of different pitch together");
+}
+
+namespace {
+
+NdfRequest request_of(const NdfOptions& options, const std::vector<std::string>& methods) {
+  NdfRequest request;
+  request.size = options.size;
+  request.extent = make_extent(options.extent);
+  make_disk_table({request.size, 1});  // refuses a table that cannot be
+  const std::optional<Level> level = level_from_name(options.level);
+  if (!level)
+    throw CLI::ValidationError("--level: '" + options.level + "' is not none, mean, plane or quadratic");
+  request.prepare.level = *level;
+  request.prepare.outlier_threshold = options.outlier_threshold;
+  if (options.fill_holes) request.prepare.holes = Preparation::Holes::Fill;
+  request.prepare.read = options.read;
+  if (options.mixed) request.pitches = NdfRequest::Pitches::MayDiffer;
+  if (!options.signature.empty()) request.signature = make_signature(options.signature);
+  std::vector<double> sigmas = options.sigmas.empty() ? std::vector<double>{1} : options.sigmas;
+  for (const double sigma : sigmas)
+    if (!(sigma > 0)) throw CLI::ValidationError("--sigma: the window must be wider than nothing");
+  const auto add = [&](NdfMethod method) {
+    const bool again = std::any_of(request.methods.begin(), request.methods.end(),
+                                   [&](const NdfMethod& known) { return known.name == method.name; });
+    if (!again) request.methods.push_back(std::move(method));
+  };
+  for (const std::string& method : methods) {
+    if (method == "naive") add({"naive", Naive{}});
+    if (method == "kirchhoff") add({kirchhoff_name(options), make_kirchhoff(options)});
+    if (method == "filtered")
+      for (const double sigma : sigmas)
+        add({filtered_name(sigma), Filtered{sigma}});
+  }
+  return request;
+}
+
+}  // namespace
+
+NdfRequest make_request(const NdfOptions& options, const std::vector<std::string>& methods) {
+  try {
+    return request_of(options, methods);
+  } catch (const InputError& error) {
+    throw CLI::ValidationError(error.what());  // what the options say makes no sense
+  }
+}
+
+std::function<void(const Progress&)> progress_line(const CommonOptions& options) {
+  if (!shows_progress(options)) return [](const Progress&) {};
+  return [watch = Stopwatch(), last = -1.](const Progress& progress) mutable {
+    const double seconds = watch.seconds();
+    const bool end = progress.done == progress.total;
+    if (!end && seconds - last < 0.1) return;
+    last = seconds;
+    const double rate = static_cast<double>(progress.done) / std::max(seconds, 1e-9);
+    const double left = static_cast<double>(progress.total - progress.done) / rate;
+    std::fprintf(stderr, "\r\033[K%lld of %lld scans, %.1f scans/s, %.0f s left%s",
+                 static_cast<long long>(progress.done), static_cast<long long>(progress.total), rate, left,
+                 end ? "\n" : "");
+    std::fflush(stderr);
+  };
+}
+
+int conclude(const NdfResult& result, const ScanListing& listing, const CommonOptions& options,
+             const std::filesystem::path& output) {
+  std::size_t done = 0;
+  nlohmann::json failed = nlohmann::json::array();
+  for (const ScanRecord& scan : result.scans) {
+    if (!scan.failure) {
+      ++done;
+      continue;
+    }
+    std::fprintf(stderr, "microbrdf: %s\n", scan.failure->c_str());
+    failed.push_back({{"source", scan.source}, {"message", *scan.failure}});
+  }
+  if (options.json) {
+    const auto number = [](double value) {
+      return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+    };
+    nlohmann::json methods = nlohmann::json::array(), skipped = nlohmann::json::array();
+    for (const NdfOfScans& ndf : result.ndfs)
+      methods.push_back({{"method", ndf.method.name},
+                         {"estimator", estimator_of(ndf.method)},
+                         {"normalization", number(normalization(ndf.density))},
+                         {"rel_error", number(ndf.rel_error)},
+                         {"seconds", number(ndf.seconds)},
+                         {"extent", ndf.density.grid.extent},
+                         {"outside_extent", number(ndf.outside)},
+                         {"scans", ndf.scans},
+                         {"samples", ndf.samples},
+                         {"without_normal", ndf.without_normal}});
+    for (const Skipped& file : listing.skipped)
+      skipped.push_back({{"source", file.source}, {"reason", file.reason}});
+    const nlohmann::json summary = {
+        {"output", output.string()}, {"scans", done},
+        {"failed", failed},          {"skipped", skipped},
+        {"methods", methods},        {"plan", nlohmann::json::parse(to_json(result.plan))}};
+    std::printf("%s\n", summary.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+  } else {
+    for (const NdfOfScans& ndf : result.ndfs)
+      std::printf("%s: normalization %.6g over sin(theta) <= %.4g, %.3g s\n", ndf.method.name.c_str(),
+                  normalization(ndf.density), ndf.density.grid.extent, ndf.seconds);
+    std::printf("%s", to_text(result.plan).c_str());
+    if (!listing.skipped.empty()) {
+      std::printf("Skipped %zu:\n", listing.skipped.size());
+      constexpr std::size_t kShown = 10;
+      for (std::size_t k = 0; k < std::min(kShown, listing.skipped.size()); ++k)
+        std::printf("  %s: %s\n", listing.skipped[k].source.c_str(), listing.skipped[k].reason.c_str());
+      if (listing.skipped.size() > kShown) std::printf("  and %zu more\n", listing.skipped.size() - kShown);
+    }
+    if (!result.ndfs.empty()) std::printf("%s\n", output.c_str());
+  }
+  if (result.ndfs.empty()) {
+    std::fprintf(stderr, "microbrdf: no scan gave a normal distribution\n");
+    return kNothing;
+  }
+  return failed.empty() ? kDone : kSomeFailed;
+}
+
+std::string command_line() {
+  std::ifstream file("/proc/self/cmdline", std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  while (!text.empty() && text.back() == '\0')
+    text.pop_back();
+  std::replace(text.begin(), text.end(), '\0', ' ');
+  return text;
+}
+
+}  // namespace micro::tools

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipelines/ndf_of_scans.h"
+#include "tools/common_options.h"
+
+namespace micro::tools {
+
+/// What `run` and `ndf` take in common, as typed.
+struct NdfOptions {
+  std::vector<double> sigmas;  ///< µm
+  int size = 1025;
+  std::string extent;  ///< empty: the whole disk
+  std::string level = "plane";
+  std::optional<double> outlier_threshold;
+  bool fill_holes = false;
+  bool mixed = false;
+  std::string signature;
+  double lambda_q = 0.555;  ///< µm
+  double lambda = 0;        ///< µm, with theta_d instead of lambda_q; 0: lambda_q says it
+  double theta_d = 0;       ///< radians
+  double tolerance = 1e-3;
+  std::string coherence = "patch";
+  ReadOptions read;
+};
+
+void add_ndf_options(CLI::App& app, NdfOptions& options);
+
+/// The request that the options and the method names (naive, filtered, kirchhoff) make.
+/// Throws CLI::ValidationError or InputError, with a sentence, if they make none.
+NdfRequest make_request(const NdfOptions& options, const std::vector<std::string>& methods);
+
+/// Draws progress on stderr: scans done, rate and time left. Draws nothing unless progress is shown.
+std::function<void(const Progress&)> progress_line(const CommonOptions& options);
+
+/// Says what became of the scans: failures on stderr, the closing lines on stdout (or the JSON summary).
+/// Returns the exit code.
+int conclude(const NdfResult& result, const ScanListing& listing, const CommonOptions& options,
+             const std::filesystem::path& output);
+
+/// The command line, to be kept in results.
+std::string command_line();
+
+}  // namespace micro::tools

@@ -1,0 +1,87 @@
+#include "pipelines/study.h"
+
+#include <cstdio>
+#include <memory>
+
+#include "io/atomic_file.h"
+#include "pipelines/output_lock.h"
+#include "pipelines/result_file.h"
+#include "tools/commands.h"
+#include "tools/ndf_options.h"
+#include "tools/units.h"
+
+namespace micro::tools {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  NdfOptions ndf;
+  std::vector<std::string> scans;
+  std::string output;
+};
+
+void write_text_file(const std::filesystem::path& path, const std::string& text) {
+  write_file(path, std::as_bytes(std::span(text)));
+}
+
+/// Leaves study.csv, study.md and contact_sheet.png in the output folder and the table on stdout.
+int conclude(const Study& study, const Options& options) {
+  const std::filesystem::path output = options.output;
+  const OutputLock lock(output);
+  write_text_file(output / "study.csv", to_csv(study));
+  write_text_file(output / "study.md", to_markdown(study));
+  NdfResult pictures;
+  for (const StudyRow& row : study.rows)
+    pictures.ndfs.push_back(row.ndf);
+  write_contact_sheet(output / "contact_sheet.png", pictures);
+  std::printf("%s\n", options.common.json ? to_json(study).c_str() : to_markdown(study).c_str());
+  return kDone;
+}
+
+std::shared_ptr<Options> add_study_options(CLI::App& app, const char* example) {
+  auto options = std::make_shared<Options>();
+  options->ndf.size = 257;
+  options->ndf.extent = "auto";
+  app.add_option("SCAN", options->scans, "Scans, or directories of scans")->required();
+  app.add_option("-o,--output", options->output, "Folder for study.csv, study.md and contact_sheet.png")
+      ->required();
+  add_ndf_options(app, options->ndf);
+  add_common_options(app, options->common, example);
+  return options;
+}
+
+ScanListing listing_of(const Options& options) {
+  return list_scans({options.scans.begin(), options.scans.end()}, options.output);
+}
+
+}  // namespace
+
+Run add_study(CLI::App& app) {
+  app.require_subcommand(1);
+  CLI::App* sigma =
+      app.add_subcommand("sigma", "Sensitivity of the filtered NDF to --sigma [Dong15 §5.1, Fig. 5]");
+  const auto sigma_options =
+      add_study_options(*sigma, "microbrdf study sigma scans/ -o study --sigma 0.5um --sigma 1um");
+  CLI::App* filters =
+      app.add_subcommand("filters", "Outlier rejection and hole filling, off and on [Dong15 §4.1]");
+  const auto filter_options = add_study_options(*filters, "microbrdf study filters scans/ -o study");
+  // What the study varies itself is not for the user to set.
+  for (const char* name : {"--sigma", "--reject-outliers", "--fill-holes"})
+    filters->remove_option(filters->get_option(name));
+  // Both are about the filtered NDF.
+  for (CLI::App* study : {sigma, filters})
+    for (const char* name : {"--theta-d", "--lambda", "--lambda-q", "--tol", "--coherence"})
+      study->remove_option(study->get_option(name));
+  return [=] {
+    if (filters->parsed())
+      return conclude(study_filters(listing_of(*filter_options), make_request(filter_options->ndf, {})),
+                      *filter_options);
+    const std::vector<double>& asked = sigma_options->ndf.sigmas;
+    const std::vector<double> sigmas =
+        asked.empty() ? std::vector<double>{0.25, 0.5, 0.75, 1, 1.25, 1.5, 2} : asked;
+    return conclude(study_sigma(listing_of(*sigma_options), make_request(sigma_options->ndf, {}), sigmas),
+                    *sigma_options);
+  };
+}
+
+}  // namespace micro::tools
