@@ -96,7 +96,6 @@ ScanNdf NdfEstimator::operator()(const HeightField& surface) const {
 }
 
 std::string filtered_name(double sigma) {
-  if (sigma == 1) return "filtered";
   std::ostringstream name;
   name << "filtered_" << sigma << "um";
   return name.str();

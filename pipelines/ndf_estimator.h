@@ -35,7 +35,8 @@ struct NdfMethod {
   std::variant<Naive, Filtered, Kirchhoff> kind;
 };
 
-/// The name of a filtered NDF: "filtered" for the paper's σ = 1 µm, else with its σ, "filtered_2um".
+/// The name of a filtered NDF beside others: with its σ (µm), "filtered_2um". The only or first one is
+/// "filtered".
 std::string filtered_name(double sigma);
 
 /// How a method's table comes about: "triangles", "plane fits" or "spectral".

@@ -43,15 +43,16 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request,
   outcome.ndfs.resize(request.methods.size());
   outcome.refusals.resize(request.methods.size());
   try {
+    record.sha256 = sha256_of_file(scan.path);
     const PreparedScan prepared = prepare_scan(scan.path, request.prepare);
     const HeightField& surface = prepared.surface;
-    record.sha256 = sha256_of_file(scan.path);
     record.format = prepared.format;
     record.rows = surface.rows();
     record.cols = surface.cols();
     record.dx = surface.dx;
     record.dy = surface.dy;
     record.missing = prepared.missing;
+    record.holes = missing_count(surface);
     record.rejected = prepared.rejected;
     record.filled = prepared.filled;
     if (request.statistics == NdfRequest::Statistics::Compute) {
@@ -67,6 +68,7 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request,
       } catch (const FileError&) {
         throw;
       } catch (const InputError& error) {
+        if (request.unfit == NdfRequest::Unfit::Fail) throw FileError(scan.path, error.what());
         outcome.refusals[m] = error.what();
       }
     }
@@ -119,7 +121,7 @@ std::optional<double> pitch_of(const ScanListing& listing, const NdfRequest& req
     try {
       const HeightField surface = read_scan(scan.path, request.prepare.read).surface;
       return std::max(surface.dx, surface.dy);
-    } catch (const InputError&) {
+    } catch (const std::exception&) {
       continue;  // it is reported when its turn comes
     }
   return std::nullopt;
@@ -254,11 +256,11 @@ Stage stage_if(bool done, std::string name, std::string reason) {
 
 /// The stages before the methods.
 Plan plan_of_scans(const std::vector<ScanRecord>& scans, const NdfRequest& request) {
-  std::int64_t read = 0, with_missing = 0, missing = 0, rejected = 0, filled = 0;
+  std::int64_t read = 0, with_holes = 0, missing = 0, rejected = 0, filled = 0;
   for (const ScanRecord& scan : scans) {
     if (scan.failure) continue;
     ++read;
-    with_missing += scan.missing > 0 ? 1 : 0;
+    with_holes += scan.holes > 0 ? 1 : 0;
     missing += scan.missing;
     rejected += scan.rejected;
     filled += scan.filled;
@@ -281,10 +283,10 @@ Plan plan_of_scans(const std::vector<ScanRecord>& scans, const NdfRequest& reque
       std::any_of(request.methods.begin(), request.methods.end(),
                   [](const NdfMethod& method) { return std::holds_alternative<Filtered>(method.kind); });
   if (filters)
-    plan.push_back(stage_if(with_missing > filled, "masked moments",
-                            with_missing > 0
-                                ? count(with_missing, "scan") + " with missing points, near these"
-                                : "no missing points: two convolutions and border profiles are enough"));
+    plan.push_back(stage_if(with_holes > 0, "masked moments",
+                            with_holes > 0
+                                ? count(with_holes, "scan") + " with missing points, near these"
+                                : "no point is missing: two convolutions and border profiles are enough"));
   return plan;
 }
 

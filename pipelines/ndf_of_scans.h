@@ -37,6 +37,8 @@ struct NdfRequest {
   Preparation prepare;
   std::optional<NamedSignature> signature;
   enum class Pitches { MustAgree, MayDiffer } pitches = Pitches::MustAgree;
+  /// A scan to which a method does not apply: the method goes without it, or the scan fails.
+  enum class Unfit { LeaveOut, Fail } unfit = Unfit::LeaveOut;
   enum class Statistics { LeaveOut, Compute } statistics = Statistics::Compute;
   int thumbnails = 0;  ///< pictures of the first so many scans
 };
@@ -44,7 +46,9 @@ struct NdfRequest {
 /// What is kept of each scan.
 struct ScanRecord {
   std::string source, sha256, format;
-  Eigen::Index rows = 0, cols = 0, missing = 0;
+  Eigen::Index rows = 0, cols = 0;
+  Eigen::Index missing = 0;               ///< as in the file
+  Eigen::Index holes = 0;                 ///< missing after the repairs
   double dx = 0, dy = 0;                  ///< µm
   Eigen::Index rejected = 0, filled = 0;  ///< outliers made missing; missing points filled
   std::optional<double> Sq;               ///< µm, after levelling

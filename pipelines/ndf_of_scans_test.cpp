@@ -136,6 +136,31 @@ TEST_F(Scans, AnUnresolvedSigmaIsLeftOutWithTheReason) {
   EXPECT_TRUE(said);
 }
 
+TEST_F(Scans, AnUnresolvedSigmaFailsWhereTheMethodIsAskedForByName) {
+  NdfRequest narrow = request();
+  narrow.methods[1].kind = Filtered{0.05};
+  narrow.unfit = NdfRequest::Unfit::Fail;
+  const NdfResult result = run(narrow);
+  EXPECT_TRUE(result.ndfs.empty());
+  for (const ScanRecord& scan : result.scans) {
+    ASSERT_TRUE(scan.failure.has_value());
+    EXPECT_NE(scan.failure->find("below half the pitch"), std::string::npos);
+    EXPECT_EQ(scan.sha256.size(), 64u);
+  }
+}
+
+TEST_F(Scans, FilledHolesNeedNoMaskedMoments) {
+  const auto outcome = [](const NdfResult& result) {
+    for (const Stage& stage : result.plan)
+      if (stage.name == "masked moments") return stage.outcome;
+    throw std::runtime_error("no masked moments in the plan");
+  };
+  NdfRequest filling = request();
+  EXPECT_EQ(outcome(run(filling)), Stage::Outcome::Ran);
+  filling.prepare.holes = Preparation::Holes::Fill;
+  EXPECT_EQ(outcome(run(filling)), Stage::Outcome::LeftOut);
+}
+
 TEST_F(Scans, AutomaticExtentHoldsTheEnergy) {
   NdfRequest automatic = request();
   automatic.extent = HoldsEnergy{};

@@ -10,20 +10,18 @@ PreparedScan prepare_scan(const std::filesystem::path& path, const Preparation& 
   PreparedScan prepared{.surface = std::move(scan.surface), .format = scan.format};
   prepared.missing = missing_count(prepared.surface);
   if (prepared.missing == prepared.surface.z.size()) throw FileError(path, "every point is missing");
-  // Outliers are judged on the level surface, or the form would hide them.
-  prepared.surface = level(std::move(prepared.surface), preparation.level);
   if (preparation.outlier_threshold) {
     Repair repair = reject_outliers(prepared.surface, {.threshold = *preparation.outlier_threshold});
     prepared.surface = std::move(repair.surface);
     prepared.rejected = repair.changed;
   }
+  // The harmonic filling is flat across the image border, so it wants the surface level.
+  prepared.surface = level(std::move(prepared.surface), preparation.level);
   if (preparation.holes == Preparation::Holes::Fill) {
     Repair repair = fill_holes(prepared.surface);
     prepared.surface = std::move(repair.surface);
     prepared.filled = repair.changed;
   }
-  if (prepared.rejected > 0 || prepared.filled > 0)
-    prepared.surface = level(std::move(prepared.surface), preparation.level);
   return prepared;
 }
 

@@ -26,8 +26,8 @@ struct PreparedScan {
   Eigen::Index filled = 0;    ///< missing points filled
 };
 
-/// Reads, rejects outliers, fills holes (each only if asked for) and levels. Throws FileError naming the
-/// file.
+/// Reads, rejects outliers, levels, and fills holes; rejecting and filling only if asked for. Throws
+/// FileError naming the file.
 PreparedScan prepare_scan(const std::filesystem::path& path, const Preparation& preparation);
 
 }  // namespace micro

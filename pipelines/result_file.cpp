@@ -34,8 +34,8 @@ void write_scan(Hdf5Writer& file, const std::string& group, const ScanRecord& sc
   set("source", std::string_view(scan.source));
   set("status", std::string_view(scan.failure ? "failed" : "done"));
   set("message", std::string_view(scan.failure.value_or("")));
+  if (!scan.sha256.empty()) set("sha256", std::string_view(scan.sha256));
   if (scan.failure) return;
-  set("sha256", std::string_view(scan.sha256));
   set("scan_format", std::string_view(scan.format));
   set("rows", scan.rows);
   set("cols", scan.cols);

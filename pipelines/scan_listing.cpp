@@ -53,7 +53,8 @@ void list_directory(const fs::path& directory, const std::optional<fs::path>& le
     } else if (entry->is_regular_file(ignored)) {
       files.push_back(path);
     } else {
-      listing.skipped.push_back({source(path), "neither a file nor a folder"});
+      listing.skipped.push_back({source(path), entry->is_directory(ignored) ? "a link to a folder"
+                                                                            : "neither a file nor a folder"});
     }
   }
   std::sort(files.begin(), files.end(),

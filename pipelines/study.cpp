@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "distribution/compare.h"
+#include "height/repair.h"
 
 namespace micro {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 void ignore(const Progress&) {}
 
 /// Rejection threshold of the filters' study, in robust standard deviations.
-constexpr double kThreshold = 6;
+const double kThreshold = OutlierRule{}.threshold;
 
 /// Full width at half maximum of the paper's gonioreflectometer, radians [Dong15 §7].
 constexpr double kSignature = 1.5 * std::numbers::pi / 180;

@@ -10,6 +10,7 @@
 #include "io/scan.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"
+#include "tools/json_output.h"
 #include "tools/scan_output.h"
 
 namespace micro::tools {
@@ -28,17 +29,15 @@ struct Options {
 void print_summary(const Options& options, const Scan& scan, const ScanTarget& target) {
   const HeightField& surface = scan.surface;
   if (options.common.json) {
-    std::cout << nlohmann::json{{"source", scan.path.string()},
-                                {"format", scan.format},
-                                {"output", options.output.string()},
-                                {"output_format", target.format},
-                                {"rows", surface.rows()},
-                                {"cols", surface.cols()},
-                                {"dx_um", surface.dx},
-                                {"dy_um", surface.dy},
-                                {"missing", missing_count(surface)}}
-                     .dump()
-              << '\n';
+    print_json(nlohmann::json{{"source", scan.path.string()},
+                              {"format", scan.format},
+                              {"output", options.output.string()},
+                              {"output_format", target.format},
+                              {"rows", surface.rows()},
+                              {"cols", surface.cols()},
+                              {"dx_um", surface.dx},
+                              {"dy_um", surface.dy},
+                              {"missing", missing_count(surface)}});
     return;
   }
   std::cout << scan.path.string() << " (" << scan.format << ", " << surface.cols() << " × " << surface.rows()

@@ -21,6 +21,7 @@
 #include "io/scan.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"
+#include "tools/json_output.h"
 #include "tools/scan_output.h"
 
 namespace micro::tools {
@@ -203,7 +204,7 @@ int info(const Options& options) {
           if (!options.common.json) print(std::cout, *outcome.description, options.level);
         }
       });
-  if (options.common.json) std::cout << Json{{"scans", scans}, {"failed", failed}}.dump() << '\n';
+  if (options.common.json) print_json(Json{{"scans", scans}, {"failed", failed}});
   if (failed.empty()) return kDone;
   return scans.empty() ? kNothing : kSomeFailed;
 }

@@ -3,6 +3,7 @@
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
 #include "tools/ndf_options.h"
+#include "tools/scan_output.h"
 
 namespace micro::tools {
 namespace {
@@ -15,12 +16,13 @@ struct Options {
   std::vector<std::string> methods = {"filtered"};
 };
 
-int run(const Options& options) {
+int run(const Options& options, const CLI::App& app) {
   NdfRequest request = make_request(options.ndf, options.methods);
   request.statistics = NdfRequest::Statistics::LeaveOut;
+  request.unfit = NdfRequest::Unfit::Fail;  // what was asked for by name is done or refused
   const ScanListing listing = list_scans({options.scans.begin(), options.scans.end()}, options.output);
   const NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
-  if (!result.ndfs.empty()) write_result(options.output, result, command_line());
+  if (!result.ndfs.empty()) write_result(options.output, result, command_line_of(app));
   return conclude(result, listing, options.common, options.output);
 }
 
@@ -38,7 +40,7 @@ Run add_ndf(CLI::App& app) {
   add_common_options(
       app, options->common,
       "microbrdf ndf scans/ -o brushed.h5 --method naive --method filtered --sigma 1um --signature 1.5deg");
-  return [options] { return run(*options); };
+  return [options, &app] { return run(*options, app); };
 }
 
 }  // namespace micro::tools

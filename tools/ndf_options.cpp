@@ -4,9 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <iomanip>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
@@ -15,7 +13,8 @@
 #include "core/estimate.h"
 #include "io/signature_file.h"
 #include "tools/commands.h"
-#include "tools/pitch_option.h"
+#include "tools/json_output.h"
+#include "tools/scan_output.h"
 #include "tools/units.h"
 
 namespace micro::tools {
@@ -75,15 +74,6 @@ Kirchhoff make_kirchhoff(const NdfOptions& options) {
           make_coherence(options.coherence, options.lambda > 0 ? options.lambda : lambda_q)};
 }
 
-/// The whole patch has the plain name; a coherence area gets a group of its own.
-std::string kirchhoff_name(const NdfOptions& options) {
-  if (options.coherence == "patch") return "kirchhoff";
-  std::string name = "kirchhoff_";
-  for (const char letter : options.coherence)
-    if (letter != ':') name += letter;
-  return std::isdigit(static_cast<unsigned char>(options.coherence.front())) ? name + "um2" : name;
-}
-
 }  // namespace
 
 void add_ndf_options(CLI::App& app, NdfOptions& options) {
@@ -103,15 +93,18 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
       "--extent", options.extent,
       "Half width of the table in m_xy, in (0, 1], or 'auto': what holds the energy (default: all of the "
       "disk that the data can tell of)");
-  app.add_option("--level", options.level, "Form to remove: none, mean, plane or quadratic")
-      ->capture_default_str();
-  app.add_option("--reject-outliers", options.outlier_threshold,
-                 "Make points missing that lie so many robust standard deviations off their neighbours (off "
-                 "by default)")
+  add_level(app, options.level);
+  CLI::Option* reject =
+      app.add_flag("--reject-outliers", options.reject_outliers,
+                   "Make points missing that lie far off their neighbours (off by default)");
+  app.add_option("--outlier-threshold", options.outlier_threshold,
+                 "How far: robust standard deviations from the local median")
+      ->needs(reject)
       ->check([](const std::string& text) {
         return std::atof(text.c_str()) > 0 ? std::string()
                                            : "the threshold must be a positive number, not " + text;
-      });
+      })
+      ->capture_default_str();
   app.add_flag("--fill-holes", options.fill_holes, "Fill missing points harmonically (off by default)");
   app.add_option(
       "--signature", options.signature,
@@ -133,7 +126,8 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
   lambda->check([](const std::string& text) {
     return parse_length(text) > 0 ? std::string() : "a wavelength must be positive, not " + text;
   });
-  add_pitch(app, options.read);
+  add_pitch(app, options.pitch,
+            "Distance between points, P or X,Y, for files that don't say it (.npy, plain text)");
   app.add_flag("--mixed", options.mixed, "Take scans of different pitch together");
 }
 
@@ -144,13 +138,10 @@ NdfRequest request_of(const NdfOptions& options, const std::vector<std::string>&
   request.size = options.size;
   request.extent = make_extent(options.extent);
   make_disk_table({request.size, 1});  // refuses a table that cannot be
-  const std::optional<Level> level = level_from_name(options.level);
-  if (!level)
-    throw CLI::ValidationError("--level: '" + options.level + "' is not none, mean, plane or quadratic");
-  request.prepare.level = *level;
-  request.prepare.outlier_threshold = options.outlier_threshold;
+  request.prepare.level = options.level;
+  if (options.reject_outliers) request.prepare.outlier_threshold = options.outlier_threshold;
   if (options.fill_holes) request.prepare.holes = Preparation::Holes::Fill;
-  request.prepare.read = options.read;
+  request.prepare.read = parse_pitch(options.pitch);
   if (options.mixed) request.pitches = NdfRequest::Pitches::MayDiffer;
   if (!options.signature.empty()) request.signature = make_signature(options.signature);
   std::vector<double> sigmas = options.sigmas.empty() ? std::vector<double>{1} : options.sigmas;
@@ -163,10 +154,10 @@ NdfRequest request_of(const NdfOptions& options, const std::vector<std::string>&
   };
   for (const std::string& method : methods) {
     if (method == "naive") add({"naive", Naive{}});
-    if (method == "kirchhoff") add({kirchhoff_name(options), make_kirchhoff(options)});
+    if (method == "kirchhoff") add({"kirchhoff", make_kirchhoff(options)});
     if (method == "filtered")
       for (const double sigma : sigmas)
-        add({filtered_name(sigma), Filtered{sigma}});
+        add({sigma == sigmas.front() ? "filtered" : filtered_name(sigma), Filtered{sigma}});
   }
   return request;
 }
@@ -231,7 +222,7 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
         {"output", output.string()}, {"scans", done},
         {"failed", failed},          {"skipped", skipped},
         {"methods", methods},        {"plan", nlohmann::json::parse(to_json(result.plan))}};
-    std::printf("%s\n", summary.dump(1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    print_json(summary);
   } else {
     for (const NdfOfScans& ndf : result.ndfs)
       std::printf("%s: normalization %.6g over sin(theta) <= %.4g, %.3g s\n", ndf.method.name.c_str(),
@@ -251,15 +242,6 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
     return kNothing;
   }
   return failed.empty() ? kDone : kSomeFailed;
-}
-
-std::string command_line() {
-  std::ifstream file("/proc/self/cmdline", std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  while (!text.empty() && text.back() == '\0')
-    text.pop_back();
-  std::replace(text.begin(), text.end(), '\0', ' ');
-  return text;
 }
 
 }  // namespace micro::tools

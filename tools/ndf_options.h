@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "height/repair.h"
 #include "pipelines/ndf_of_scans.h"
 #include "tools/common_options.h"
 
@@ -15,8 +16,9 @@ struct NdfOptions {
   std::vector<double> sigmas;  ///< µm
   int size = 1025;
   std::string extent;  ///< empty: the whole disk
-  std::string level = "plane";
-  std::optional<double> outlier_threshold;
+  Level level = Level::Plane;
+  bool reject_outliers = false;
+  double outlier_threshold = OutlierRule{}.threshold;  ///< robust standard deviations
   bool fill_holes = false;
   bool mixed = false;
   std::string signature;
@@ -25,7 +27,7 @@ struct NdfOptions {
   double theta_d = 0;       ///< radians
   double tolerance = 1e-3;
   std::string coherence = "patch";
-  ReadOptions read;
+  std::vector<std::string> pitch;
 };
 
 void add_ndf_options(CLI::App& app, NdfOptions& options);
@@ -41,8 +43,5 @@ std::function<void(const Progress&)> progress_line(const CommonOptions& options)
 /// Returns the exit code.
 int conclude(const NdfResult& result, const ScanListing& listing, const CommonOptions& options,
              const std::filesystem::path& output);
-
-/// The command line, to be kept in results.
-std::string command_line();
 
 }  // namespace micro::tools

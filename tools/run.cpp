@@ -6,6 +6,7 @@
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
 #include "tools/ndf_options.h"
+#include "tools/scan_output.h"
 
 namespace micro::tools {
 namespace {
@@ -25,12 +26,12 @@ void remove_outputs(const std::filesystem::path& output) {
   for (const auto& entry : std::filesystem::directory_iterator(output, ignored)) {
     const std::string name = entry.path().filename().string();
     if ((name.starts_with("ndf_") && name.ends_with(".exr")) || name == "contact_sheet.png" ||
-        name == "report.md")
+        name == "report.md" || name == "result.h5")
       std::filesystem::remove(entry.path(), ignored);
   }
 }
 
-int run(const Options& options) {
+int run(const Options& options, const CLI::App& app) {
   const auto wants = [&](const char* stage) {
     return std::find(options.without.begin(), options.without.end(), stage) == options.without.end();
   };
@@ -63,9 +64,9 @@ int run(const Options& options) {
     }
     if (wants("report")) {
       result.plan.push_back({Stage::Outcome::Ran, "report", "report.md"});
-      write_report(output / "report.md", result, listing, command_line());
+      write_report(output / "report.md", result, listing, command_line_of(app));
     }
-    write_result(output / "result.h5", result, command_line());
+    write_result(output / "result.h5", result, command_line_of(app));
   }
   return conclude(result, listing, options.common, output / "result.h5");
 }
@@ -82,7 +83,7 @@ Run add_run(CLI::App& app) {
       ->check(CLI::IsMember(std::vector<std::string>(kStages.begin(), kStages.end())));
   add_ndf_options(app, options->ndf);
   add_common_options(app, options->common, "microbrdf run scans/ -o out --without naive");
-  return [options] { return run(*options); };
+  return [options, &app] { return run(*options, app); };
 }
 
 }  // namespace micro::tools

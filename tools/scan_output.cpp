@@ -64,7 +64,7 @@ std::string command_line_of(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0) continue;
     if (!option->get_positional()) command += " " + option->get_name();
-    if (option->get_type_size() == 0) continue;  // a flag
+    if (option->get_items_expected_max() == 0) continue;  // a flag
     for (const std::string& value : option->results())
       command += " " + value;
   }

@@ -66,7 +66,7 @@ Run add_study(CLI::App& app) {
       app.add_subcommand("filters", "Outlier rejection and hole filling, off and on [Dong15 §4.1]");
   const auto filter_options = add_study_options(*filters, "microbrdf study filters scans/ -o study");
   // What the study varies itself is not for the user to set.
-  for (const char* name : {"--sigma", "--reject-outliers", "--fill-holes"})
+  for (const char* name : {"--sigma", "--outlier-threshold", "--reject-outliers", "--fill-holes"})
     filters->remove_option(filters->get_option(name));
   // Both are about the filtered NDF.
   for (CLI::App* study : {sigma, filters})

@@ -14,6 +14,7 @@
 #include "height/shaped_surface.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"
+#include "tools/json_output.h"
 #include "tools/scan_output.h"
 #include "tools/units.h"
 
@@ -221,17 +222,15 @@ int synth(Options& options, const Kind& kind, const Make& make, const CLI::App& 
   const HeightField surface = make_holes(make(options), options.holes, options.seed);
   target.write(options.output, surface, command_line_of(app));
   if (options.common.json)
-    std::cout << nlohmann::json{{"kind", kind.name},
-                                {"output", options.output.string()},
-                                {"output_format", target.format},
-                                {"seed", options.seed},
-                                {"rows", surface.rows()},
-                                {"cols", surface.cols()},
-                                {"dx_um", surface.dx},
-                                {"dy_um", surface.dy},
-                                {"missing", missing_count(surface)}}
-                     .dump()
-              << '\n';
+    print_json(nlohmann::json{{"kind", kind.name},
+                              {"output", options.output.string()},
+                              {"output_format", target.format},
+                              {"seed", options.seed},
+                              {"rows", surface.rows()},
+                              {"cols", surface.cols()},
+                              {"dx_um", surface.dx},
+                              {"dy_um", surface.dy},
+                              {"missing", missing_count(surface)}});
   else
     std::cout << kind.name << ", " << surface.cols() << " × " << surface.rows() << " points, "
               << missing_count(surface) << " missing → " << options.output.string() << '\n'
