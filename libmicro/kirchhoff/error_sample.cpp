@@ -21,8 +21,8 @@ struct Node {
   Eigen::Index j, i;
 };
 
-/// The three measures that nodes are drawn by, in turn.
-enum Measure { kWhole, kCoreFree, kEven, kMeasures };
+/// The measures that nodes are drawn by, in turn: D², D² without the coherent core, D, and evenly.
+enum Measure { kWhole, kCoreFree, kLinear, kEven, kMeasures };
 
 /// What one node weighs in each measure.
 struct NodeWeights {
@@ -31,9 +31,9 @@ struct NodeWeights {
 
   std::array<double, kMeasures> operator()(Eigen::Index j, Eigen::Index i) const {
     const double density = table.density(j, i);
-    if (!(table.grid.mz2(j, i) > 0) || !(density > 0)) return {0, 0, 0};
+    if (!(table.grid.mz2(j, i) > 0) || !(density > 0)) return {};
     const double x = table.grid.coordinate(i), y = table.grid.coordinate(j), squared = density * density;
-    return {squared, x * x + y * y > core * core ? squared : 0, density >= threshold ? 1.0 : 0.0};
+    return {squared, x * x + y * y > core * core ? squared : 0, density, density >= threshold ? 1.0 : 0.0};
   }
 };
 
@@ -84,6 +84,49 @@ Node find_node(const NodeWeights& weights, const RowSums& sums, int measure, dou
   return last;
 }
 
+/// A node to look at, the probability of it among all draws together, and whether it speaks for the
+/// significant directions.
+struct Draw {
+  Node node;
+  double probability;
+  bool even;
+};
+
+/// `count` nodes by importance.
+std::vector<Draw> draw_nodes(const NodeWeights& weights, const RowSums& sums, int count, std::uint64_t seed) {
+  // A table that lies in the core altogether lacks one measure.
+  std::vector<int> turn;
+  for (int measure = 0; static_cast<int>(turn.size()) < count; measure = (measure + 1) % kMeasures)
+    if (sums.total(measure) > 0) turn.push_back(measure);
+  std::vector<Draw> draws;
+  for (int n = 0; n < count; ++n) {
+    const double u = random_uniform(seed, kStream, static_cast<std::uint64_t>(n))[0];
+    const Node node = find_node(weights, sums, turn[n], u);
+    const auto w = weights(node.j, node.i);
+    double probability = 0;
+    for (const int measure : turn)
+      probability += w[measure] / sums.total(measure) / count;
+    draws.push_back({node, probability, turn[n] == kEven});
+  }
+  return draws;
+}
+
+/// Every node once, if there are no more than `most`; else nothing.
+std::vector<Draw> all_nodes(const NodeWeights& weights, int most) {
+  const Eigen::Index size = weights.table.grid.size;
+  std::vector<Draw> draws;
+  if (size * size > 2 * most) return draws;  // the disk is three quarters of the square
+  for (Eigen::Index j = 0; j < size; ++j)
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const auto w = weights(j, i);
+      if (w[kWhole] > 0) draws.push_back({{j, i}, 0, w[kEven] > 0});
+    }
+  if (static_cast<int>(draws.size()) > most) draws.clear();
+  for (Draw& draw : draws)
+    draw.probability = 1. / static_cast<double>(draws.size());
+  return draws;
+}
+
 }  // namespace
 
 double ErrorSample::error() const {
@@ -119,40 +162,28 @@ ErrorSample sample_error(const HeightField& surface, const DiskTable& table, dou
   const RowSums sums = sum_rows(weights);
   ErrorSample sample;
   if (!(sums.total(kWhole) > 0)) return sample;
-  // A table that lies in the core altogether has two measures.
-  std::vector<int> turn;
-  for (int n = 0, measure = 0; n < nodes; measure = (measure + 1) % kMeasures)
-    if (sums.total(measure) > 0) {
-      turn.push_back(measure);
-      ++n;
-    }
-  std::vector<Node> drawn;
+  std::vector<Draw> draws = all_nodes(weights, nodes);
+  if (draws.empty()) draws = draw_nodes(weights, sums, nodes, seed);
   std::vector<Vec3> q;
-  for (int n = 0; n < nodes; ++n) {
-    const double u = random_uniform(seed, kStream, static_cast<std::uint64_t>(n))[0];
-    drawn.push_back(find_node(weights, sums, turn[n], u));
-    const auto [j, i] = drawn.back();
-    const Vec3 h(table.grid.coordinate(i), table.grid.coordinate(j), std::sqrt(table.grid.mz2(j, i)));
-    q.push_back(wave_vector(h, lambda_q));
+  for (const auto& [node, probability, even] : draws) {
+    const double x = table.grid.coordinate(node.i), y = table.grid.coordinate(node.j);
+    q.push_back(wave_vector(Vec3(x, y, std::sqrt(table.grid.mz2(node.j, node.i))), lambda_q));
   }
   const auto fields = exact_field(surface, q);
   const double area = projected_area(surface);
-  for (int n = 0; n < nodes; ++n) {
-    const auto w = weights(drawn[n].j, drawn[n].i);
-    double p = 0;  // of this node, over all draws together
-    for (const int measure : turn)
-      p += w[measure] / sums.total(measure) / nodes;
+  for (std::size_t n = 0; n < draws.size(); ++n) {
+    const auto& [node, probability, even] = draws[n];
     const double exact = kirchhoff_density(fields[n], area);
-    const double difference = table.density(drawn[n].j, drawn[n].i) - exact,
-                 squared = difference * difference;
-    sample.squared += squared / (p * sums.total(kWhole));
-    if (w[kCoreFree] > 0) sample.squared_core_free += squared / (p * sums.total(kCoreFree));
-    if (turn[n] == kEven) {
+    const double difference = table.density(node.j, node.i) - exact, squared = difference * difference;
+    sample.squared += squared / (probability * sums.total(kWhole));
+    if (weights(node.j, node.i)[kCoreFree] > 0)
+      sample.squared_core_free += squared / (probability * sums.total(kCoreFree));
+    if (even) {
       ++sample.significant;
       if (!(std::abs(difference) <= kSignificantTolerance * tol * exact)) ++sample.significant_bad;
     }
   }
-  sample.nodes = nodes;
+  sample.nodes = static_cast<std::int64_t>(draws.size());
   return sample;
 }
 

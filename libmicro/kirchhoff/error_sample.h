@@ -8,8 +8,9 @@
 namespace micro {
 
 /// An a-posteriori measurement of a table's error against `exact` on a few nodes, drawn by importance: in
-/// turn in proportion to D², to D² without the coherent core, and evenly among significant directions (D ≥
-/// 1e-8 of the peak). It is made of sums, so that a directory's samples add up to one sharper statement.
+/// turn in proportion to D², to D² without the coherent core, to D (an error of the field, evenly spread,
+/// makes Δ² ∝ D), and evenly among significant directions (D ≥ 1e-8 of the peak). It is made of sums, so that
+/// a directory's samples add up to one sharper statement.
 ///
 /// The core is |h_xy| within two resolution cells, λ_q/(2L) each, L the patch's shorter side.
 struct ErrorSample {
@@ -30,8 +31,8 @@ struct ErrorSample {
   ErrorSample& operator+=(const ErrorSample& other);
 };
 
-/// Draws `nodes` nodes of a table of D_K at λ_q; the draw depends on the table and on `seed` alone. A table
-/// without any D > 0 gives an empty sample.
+/// Draws `nodes` nodes of a table of D_K at λ_q, or takes all if it has no more; the draw depends on the
+/// table and on `seed` alone. A table without any D > 0 gives an empty sample.
 ErrorSample sample_error(const HeightField& surface, const DiskTable& table, double lambda_q, double tol,
                          int nodes, std::uint64_t seed);
 

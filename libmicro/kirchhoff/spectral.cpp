@@ -6,84 +6,17 @@
 #include <string>
 
 #include "core/error.h"
-#include "height/triangles.h"
 #include "kirchhoff/kirchhoff.h"
+#include "kirchhoff/subdivision.h"
 
 namespace micro {
 namespace {
 
 /// Below this tolerance sums are kept in double: single precision leaves some 1e-6 of the peak of |F|.
 constexpr double kDoubleBelow = 3e-5;
-constexpr int kMostSubdivision = 32;
 constexpr int kMostWidth = 14;
 /// Refinements before the error is taken for what it is.
 constexpr int kRefinements = 3;
-
-/// Slopes of some 50,000 facets, ascending.
-struct Slopes {
-  std::vector<double> sorted;
-
-  double rms() const {
-    double sum = 0;
-    for (const double slope : sorted)
-      sum += slope * slope;
-    return sorted.empty() ? 0 : std::sqrt(sum / static_cast<double>(sorted.size()));
-  }
-  double fraction_above(double slope) const {
-    const auto first = std::upper_bound(sorted.begin(), sorted.end(), slope);
-    return sorted.empty() ? 0
-                          : static_cast<double>(sorted.end() - first) / static_cast<double>(sorted.size());
-  }
-};
-
-Slopes sample_slopes(const HeightField& surface) {
-  constexpr Eigen::Index kSamples = 50000;
-  const Eigen::Index step = std::max<Eigen::Index>(1, 2 * surface.rows() * surface.cols() / kSamples);
-  Slopes slopes;
-  Eigen::Index index = 0;
-  for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j)
-    for (Eigen::Index i = index++ % step; i + 1 < surface.cols(); i += step) {
-      const double z00 = surface.z(j, i), z01 = surface.z(j, i + 1), z11 = surface.z(j + 1, i + 1);
-      const double slope = std::hypot((z01 - z00) / surface.dx, (z11 - z01) / surface.dy);
-      if (std::isfinite(slope)) slopes.sorted.push_back(slope);
-    }
-  std::sort(slopes.sorted.begin(), slopes.sorted.end());
-  return slopes;
-}
-
-/// What the subdivision depends on, `phase` = |q|·pitch.
-struct Demands {
-  double phase, sin_theta, rim, tol;
-};
-
-/// How finely triangles are cut. Three laws, the last two with constants measured against `exact`:
-/// - facets whose phase turns by more than a whole period of the lattice, |q|·√(1 + slope²)·d >
-/// 2π·subdivision, are
-///   taken for gentler ones (they alias), so hardly any such facet may be left;
-/// - the midpoint rule's error grows as the fourth power of the phase across a sub-triangle, and as slope³;
-/// - along rims the in-plane phase alone counts: in the whole where rims are dense, and in the directions far
-/// from the
-///   peak (which have 30 times the tolerance) always.
-int choose_subdivision(const Slopes& slopes, const Demands& d) {
-  const double slope = slopes.rms() / std::sqrt(2.0);
-  const double midpoint = 38 * 1.5e-4 * slope * slope * slope;
-  const double rim = 1.7e-2 * d.rim * d.rim, far = 2e-3 * (1 + 3 * std::min(1.0, d.rim / 0.024));
-  const double in_plane = std::max(2 * rim / d.tol, far / (25 * d.tol));
-  const double finest =
-      std::max(std::pow(3 * midpoint / d.tol, 0.25), d.sin_theta * std::pow(in_plane, 0.25));
-  int subdivision = std::clamp(static_cast<int>(std::ceil(d.phase / 2.5 * finest)), 1, kMostSubdivision);
-  const auto aliased = [&](int s) {
-    const double turns = 2 * std::numbers::pi * s / d.phase;
-    // In-plane phases alone must stay within half a period.
-    if (turns < 2 * d.sin_theta) return 1.0;
-    return turns > 1 ? slopes.fraction_above(std::sqrt(turns * turns - 1)) : 1.0;
-  };
-  // Cliffs are few and their light goes everywhere: beyond 4 the measured error decides.
-  constexpr int kMost = 4096;
-  while (subdivision < kMost && aliased(subdivision) > (subdivision < 4 ? 2 * d.tol : 0.1))
-    ++subdivision;
-  return subdivision;
-}
 
 /// Nodes whose exact values take some 15 % of a table's time: by operation counts, so that they are always
 /// the same.
@@ -91,7 +24,7 @@ int checked_nodes(const HeightField& surface, const DiskGrid& grid, const Spectr
                   const SpectralWork& work) {
   constexpr double kPoint = 1.0, kButterfly = 0.1, kNode = 10,
                    kCell = 20;  // ns: term and point; FFT; node; exact cell
-  constexpr int kFewest = 3, kMost = 48;
+  constexpr int kFewest = 12, kMost = 48;
   const double cells = static_cast<double>(surface.rows()) * static_cast<double>(surface.cols());
   const double length = static_cast<double>(work.fft_length),
                nodes = static_cast<double>(grid.size) * grid.size;
@@ -102,9 +35,13 @@ int checked_nodes(const HeightField& surface, const DiskGrid& grid, const Spectr
   return std::clamp(static_cast<int>(0.15 * table / (kCell * cells)), kFewest, kMost);
 }
 
-SpectralChoice refine(SpectralChoice choice) {
+/// The next finer choice for a table whose error is `excess` times what it may be: the quadrature's error
+/// falls as the fourth power of the subdivision, aliases more slowly. The same one if there is none.
+SpectralChoice refine(SpectralChoice choice, double excess) {
+  const double finer = choice.subdivision * std::clamp(std::pow(2 * excess, 0.25), 1.25, 2.0);
   choice.basis_tolerance = std::max(choice.basis_tolerance / 4, 1e-8);
-  choice.subdivision = std::max(choice.subdivision, std::min(2 * choice.subdivision, kMostSubdivision));
+  choice.subdivision =
+      std::max(choice.subdivision, std::min(static_cast<int>(std::ceil(finer)), kMostSubdivision));
   choice.kernel_width = std::min(choice.kernel_width + 2, kMostWidth);
   return choice;
 }
@@ -118,8 +55,7 @@ SpectralChoice choose_spectral(const HeightField& surface, const DiskGrid& grid,
   SpectralChoice choice;
   choice.basis_tolerance = 0.6 * tol;
   choice.kernel_width = std::clamp(static_cast<int>(std::ceil(1.7 - 1.1 * std::log10(tol))), 3, kMostWidth);
-  choice.subdivision =
-      choose_subdivision(sample_slopes(surface), {phase, sin_theta, rim_fraction(surface), tol});
+  choice.subdivision = choose_subdivision(surface, {phase, sin_theta, tol});
   return choice;
 }
 
@@ -153,8 +89,11 @@ KirchhoffTable SpectralSolver::operator()(const HeightField& surface, std::uint6
     const int nodes = checked_nodes(surface, grid_, result.choice, density.work);
     result.error = sample_error(surface, result.table, lambda_q_, tol_, nodes, seed);
     result.reached = result.error.within(tol_);
-    const SpectralChoice finer = refine(result.choice);
-    if (result.reached || finer == result.choice || attempt == kRefinements) break;
+    // A dozen nodes know the error to some 30 %.
+    constexpr double kMargin = 0.8;
+    const double excess = std::max(result.error.error(), result.error.error_core_free()) / tol_;
+    const SpectralChoice finer = refine(result.choice, excess);
+    if ((result.reached && excess <= kMargin) || finer == result.choice || attempt == kRefinements) break;
     result.choice = finer;
   }
   result.cost.seconds = watch.seconds();

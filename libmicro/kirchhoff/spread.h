@@ -38,24 +38,34 @@ struct SpreadProblem {
   ScatterTable<Real> scatter_x;
 };
 
-/// Grid rows in ascending order, each [grid_cols, padded] numbers; keeps just as many lattice rows as one
-/// needs.
+/// Lattice rows that are spread together.
+constexpr int kBatchRows = 8;
+
+/// Grid rows in ascending order, each [grid_cols, padded] numbers. It holds the rows that are not yet
+/// complete, as many as one lattice row reaches.
 template <typename Real>
 class RowSpreader {
  public:
   explicit RowSpreader(const SpreadProblem<Real>& problem);
-  /// Grid row m; m must grow from call to call.
+  /// Grid row m, until the next call; m must grow from call to call.
   const Real* row(std::int64_t m);
 
   // For the kernels that are compiled once per instruction set.
+  std::int64_t row_size() const { return problem.grid_cols * problem.functions->padded; }
+  Real* open_row(std::int64_t entry) {
+    return &open[static_cast<std::size_t>(entry % open_rows * row_size())];
+  }
   const SpreadProblem<Real>& problem;
-  LatticeRow lattice_row;
-  FftVector<Real> sources;   ///< [lattice cols, padded]
-  FftVector<Real> ring;      ///< [slots, grid_cols, padded] lattice rows spread along x
-  FftVector<Real> rim_ring;  ///< the same for the ∂K/∂y part; only slots with `rim` set hold anything
-  std::vector<std::uint8_t> rim;  ///< [slots]
-  FftVector<Real> result;         ///< [grid_cols, padded]
-  std::int64_t next = 0;          ///< first lattice row not yet in the ring
+  LatticeRow lattice_rows[kBatchRows];
+  bool rim[kBatchRows] = {};                   ///< whether a lattice row's rim has n_y ≠ 0
+  FftVector<Real> sources;                     ///< [sources, padded] of a block of one lattice row
+  FftVector<Real> block_rows[kBatchRows];      ///< [block_cols, padded] lattice rows spread along x
+  FftVector<Real> block_rim_rows[kBatchRows];  ///< the same for the ∂K/∂y part
+  std::int64_t block_cols = 0;                 ///< grid columns done at a time
+  std::int64_t open_rows;                      ///< grid rows held
+  std::int64_t open_begin = 0;                 ///< entry of gather_y of the first of them
+  FftVector<Real> open;   ///< [open_rows, grid_cols, padded] entry e in slot e % open_rows
+  std::int64_t next = 0;  ///< first lattice row not yet spread
 };
 
 }  // namespace micro
