@@ -325,7 +325,17 @@ DiskTable finish(const Geometry& g, const DiskGrid& grid, const GriddingKernel& 
   return table;
 }
 
-/// Refuses what would take hours, and says how far out the table may go instead.
+template <typename Real>
+void clear_field(const Geometry& g, DiskField<Real>& field) {
+  field.half = g.half;
+  field.stride = g.half + 1 + kColumnPadding;
+  for (auto& quadrant : field.quadrants)
+    for (auto* part : {&quadrant.re, &quadrant.im})
+      part->assign(static_cast<std::size_t>((g.half + 1) * field.stride), Real(0));
+}
+
+}  // namespace
+
 void check_work(const HeightField& surface, const QuadratureLattice& lattice, int terms, double lambda_q) {
   constexpr double kMostPoints = 2e11;  // lattice points times terms: some 100 s on two cores
   const double points =
@@ -338,17 +348,6 @@ void check_work(const HeightField& surface, const QuadratureLattice& lattice, in
                    std::to_string(std::min(1.0, lambda_q / (2 * pitch))) +
                    ", the sine of the first false order");
 }
-
-template <typename Real>
-void clear_field(const Geometry& g, DiskField<Real>& field) {
-  field.half = g.half;
-  field.stride = g.half + 1 + kColumnPadding;
-  for (auto& quadrant : field.quadrants)
-    for (auto* part : {&quadrant.re, &quadrant.im})
-      part->assign(static_cast<std::size_t>((g.half + 1) * field.stride), Real(0));
-}
-
-}  // namespace
 
 template <typename Real>
 DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, double lambda_q,

@@ -51,4 +51,8 @@ template <typename Real>
 DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, double lambda_q,
                            const SpectralChoice& choice, DiskMemory<Real>& memory);
 
+/// Throws InputError if transforming so many terms of so fine a lattice would take hours; says how far out the
+/// table may go instead.
+void check_work(const HeightField& surface, const QuadratureLattice& lattice, int terms, double lambda_q);
+
 }  // namespace micro

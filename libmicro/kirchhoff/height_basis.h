@@ -36,6 +36,8 @@ class HeightBasis {
   HeightBasis(const HeightHistogram& heights, double origin, const WaveRange& q, double tolerance);
 
   int terms() const { return terms_; }
+  /// Whether the φ_k are orthonormal over the heights as they occur; else they are Chebyshev polynomials.
+  bool orthonormal() const { return !chebyshev_; }
   /// Largest q_z·|h − origin|, rad: tables of c_k need steps well below 1/reach in units of q_z/q.high.
   double phase_reach() const { return reach_; }
 

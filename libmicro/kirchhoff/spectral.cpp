@@ -35,8 +35,8 @@ int checked_nodes(const HeightField& surface, const DiskGrid& grid, const Spectr
   return std::clamp(static_cast<int>(0.15 * table / (kCell * cells)), kFewest, kMost);
 }
 
-/// The next finer choice for a table whose error is `excess` times what it may be: the quadrature's error
-/// falls as the fourth power of the subdivision, aliases more slowly. The same one if there is none.
+}  // namespace
+
 SpectralChoice refine(SpectralChoice choice, double excess) {
   const double finer = choice.subdivision * std::clamp(std::pow(2 * excess, 0.25), 1.25, 2.0);
   choice.basis_tolerance = std::max(choice.basis_tolerance / 4, 1e-8);
@@ -45,8 +45,6 @@ SpectralChoice refine(SpectralChoice choice, double excess) {
   choice.kernel_width = std::min(choice.kernel_width + 2, kMostWidth);
   return choice;
 }
-
-}  // namespace
 
 SpectralChoice choose_spectral(const HeightField& surface, const DiskGrid& grid, double lambda_q,
                                double tol) {

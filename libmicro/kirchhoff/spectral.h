@@ -50,4 +50,8 @@ KirchhoffTable spectral_table(const HeightField& surface, const DiskGrid& grid, 
 /// What a tolerance takes on a surface, judged from its slopes before anything is computed.
 SpectralChoice choose_spectral(const HeightField& surface, const DiskGrid& grid, double lambda_q, double tol);
 
+/// The next finer choice for a table whose error is `excess` times what it may be: the quadrature's error
+/// falls as the fourth power of the subdivision, aliases more slowly. The same one if there is none.
+SpectralChoice refine(SpectralChoice choice, double excess);
+
 }  // namespace micro

@@ -156,21 +156,32 @@ void scatter_rim(const SpreadProblem<Real>& p, const LatticeRow& lattice_row, co
   }
 }
 
-/// One lattice row spread along x onto a block of grid columns.
+/// The area of one lattice row spread along x.
 template <typename Real>
-void spread_along_x(RowSpreader<Real>& s, std::int64_t l, const SpreadBlock& block, int index) {
+void spread_area(RowSpreader<Real>& s, std::int64_t l, const SpreadBlock& block,
+                 const LatticeRow& lattice_row, Real* row) {
   const SpreadProblem<Real>& p = s.problem;
   const bool odd = QuadratureLattice::area_on_odd_columns_only(l);
   const GatherTable<Real>& table = odd ? p.gather_x_odd : p.gather_x;
   const std::int64_t first = table.start[block.begin], last = table.start[block.end - 1] + table.taps;
   const auto size = static_cast<std::size_t>((last - first) * p.functions->padded);
   if (s.sources.size() < size) s.sources.resize(size);
-  const LatticeRow& lattice_row = s.lattice_rows[index];
   evaluate_sources(p, lattice_row, odd ? SourceColumns{1, 2} : SourceColumns{0, 1}, first, last,
                    s.sources.data());
-  Real* row = s.block_rows[index].data();
   gather(table, {block.begin, block.end, first}, p.functions->padded, s.sources.data(), row);
-  if (lattice_row.rim.empty()) return;
+}
+
+/// One lattice row spread along x onto a block of grid columns.
+template <typename Real>
+void spread_along_x(RowSpreader<Real>& s, std::int64_t l, const SpreadBlock& block, int index) {
+  const SpreadProblem<Real>& p = s.problem;
+  const LatticeRow& lattice_row = s.lattice_rows[index];
+  Real* row = s.block_rows[index].data();
+  if (p.sources == SpreadSources::Rim)
+    std::fill_n(row, (block.end - block.begin) * p.functions->padded, Real(0));
+  else
+    spread_area(s, l, block, lattice_row, row);
+  if (p.sources == SpreadSources::Area || lattice_row.rim.empty()) return;
   Real* rim_row = s.block_rim_rows[index].data();
   if (s.rim[index]) std::fill_n(rim_row, (block.end - block.begin) * p.functions->padded, Real(0));
   scatter_rim(p, lattice_row, block, row, rim_row);
@@ -217,7 +228,8 @@ void spread_batch(RowSpreader<Real>& s, std::int64_t first, std::int64_t last) {
   for (std::int64_t l = first; l < last; ++l) {
     LatticeRow& row = s.lattice_rows[l - first];
     p.lattice->fill(l, row);
-    s.rim[l - first] = std::any_of(row.rim.begin(), row.rim.end(), [&](int x) { return row.ny[x] != 0; });
+    s.rim[l - first] = p.sources != SpreadSources::Area &&
+                       std::any_of(row.rim.begin(), row.rim.end(), [&](int x) { return row.ny[x] != 0; });
   }
   const std::int64_t open_end =
       std::min<std::int64_t>(s.open_begin + s.open_rows, static_cast<std::int64_t>(y.start.size()));

@@ -23,6 +23,9 @@ struct FunctionTable {
       on_rim;  ///< [padded] factor on φ_k in integrals along the rim: 1, or 0 for a term that has none
 };
 
+/// Which part of the sources is spread: both, or one alone.
+enum class SpreadSources { AreaAndRim, Area, Rim };
+
 /// What is spread onto the grid that the Fourier transforms read, for every term k at once:
 ///   g_k(x) = Q² Σ_v area_v φ_k(h_v) K(x − v) − Σ_v φ_k(h_v) (n_v·∇K)(x − v),
 /// so that its spectrum is Q² Î[φ_k] − i ∮ (q_⊥·n) φ_k e^{−iq_⊥·x} dl, times the kernel's own: area and rim
@@ -36,6 +39,7 @@ struct SpreadProblem {
   std::int64_t row_begin;  ///< grid row of the first entry of gather_y
   GatherTable<Real> gather_x, gather_x_odd, gather_y;
   ScatterTable<Real> scatter_x;
+  SpreadSources sources = SpreadSources::AreaAndRim;
 };
 
 /// Lattice rows that are spread together.

@@ -1,0 +1,254 @@
+#include "kirchhoff/spectrum.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "height/triangles.h"
+#include "kirchhoff/exact.h"
+#include "testing/cosine_surface.h"
+
+namespace micro {
+namespace {
+
+using testing::make_gaussian_surface;
+using testing::with_missing;
+
+/// Small tables sample few speckles, so their error scatters about the one that is promised for a whole
+/// table.
+constexpr double kSlack = 2;
+
+const std::vector<double> kVisible = {0.38, 0.47, 0.555, 0.63, 0.78};
+
+double relative_l2(const Grid<double>& got, const Grid<double>& want) {
+  return std::sqrt((got - want).square().sum() / want.square().sum());
+}
+
+Grid<double> exact_densities(const HeightField& surface, const DiskGrid& grid, double lambda_q) {
+  std::vector<Vec3> q;
+  for (Eigen::Index j = 0; j < grid.size; ++j)
+    for (Eigen::Index i = 0; i < grid.size; ++i) {
+      const Vec3 h(grid.coordinate(i), grid.coordinate(j), std::sqrt(std::max(0.0, grid.mz2(j, i))));
+      q.push_back(wave_vector(h, lambda_q));
+    }
+  const auto fields = exact_field(surface, q);
+  const double area = projected_area(surface);
+  auto field = fields.begin();
+  Grid<double> density = make_disk_table(grid).density;
+  for (Eigen::Index j = 0; j < grid.size; ++j)
+    for (Eigen::Index i = 0; i < grid.size; ++i, ++field)
+      if (grid.mz2(j, i) > 0) density(j, i) = kirchhoff_density(*field, area);
+  return density;
+}
+
+/// Both L2 promises against `exact` on every node, and the median's.
+void expect_right(const HeightField& surface, const DiskGrid& grid, double lambda_q, double tol,
+                  const SpectrumTable& table) {
+  SCOPED_TRACE(lambda_q);
+  EXPECT_TRUE(table.reached);
+  const Grid<double> want = exact_densities(surface, grid, lambda_q), got = table.density.cast<double>();
+  EXPECT_LE(relative_l2(got, want), kSlack * tol);
+  const double core = coherent_core(surface, lambda_q);
+  double difference = 0, total = 0;
+  std::vector<double> relative;
+  for (Eigen::Index j = 0; j < grid.size; ++j)
+    for (Eigen::Index i = 0; i < grid.size; ++i) {
+      const double w = want(j, i), d = got(j, i) - w;
+      if (std::hypot(grid.coordinate(i), grid.coordinate(j)) > core) {
+        difference += d * d;
+        total += w * w;
+      }
+      if (w >= 1e-8 * want.maxCoeff() && w > 0) relative.push_back(std::abs(d) / w);
+    }
+  EXPECT_LE(std::sqrt(difference), kSlack * tol * std::sqrt(total));
+  std::nth_element(relative.begin(), relative.begin() + relative.size() / 2, relative.end());
+  EXPECT_LE(relative[relative.size() / 2], 30 * tol);
+}
+
+struct SpectrumCase {
+  std::string name;
+  std::function<HeightField()> make;
+  DiskGrid grid = {49, 1};
+  double tol = 1e-3;
+  std::vector<double> lambda_q = {0.38, 0.555, 0.78};
+};
+
+void PrintTo(const SpectrumCase& c, std::ostream* os) {
+  *os << c.name;
+}
+
+class SpectrumSurface : public ::testing::TestWithParam<SpectrumCase> {};
+
+TEST_P(SpectrumSurface, EqualsExactOnEveryNode) {
+  const SpectrumCase& c = GetParam();
+  const HeightField surface = c.make();
+  const KirchhoffSpectrum spectrum = SpectrumSolver(c.grid, c.lambda_q, c.tol)(surface);
+  ASSERT_EQ(spectrum.tables.size(), c.lambda_q.size());
+  EXPECT_TRUE(spectrum.shared);
+  for (std::size_t k = 0; k < c.lambda_q.size(); ++k)
+    expect_right(surface, c.grid, c.lambda_q[k], c.tol, spectrum.tables[k]);
+}
+
+HeightField grid_surface(Eigen::Index rows, Eigen::Index cols, double dx, double dy,
+                         const std::function<double(Eigen::Index, Eigen::Index)>& z) {
+  return make_height_field(Grid<double>::NullaryExpr(rows, cols, z), dx, dy);
+}
+
+const std::vector<SpectrumCase> kSurfaces = {
+    {"rough", [] { return make_gaussian_surface({}, 1); }, {65, 1}, 1e-3, kVisible},
+    {"rough_to_1e_5", [] { return make_gaussian_surface({.rows = 30, .cols = 40}, 1); }, {33, 1}, 1e-5},
+    {"steep", [] { return make_gaussian_surface({.rms = 1, .tau_x = 1.5, .tau_y = 1.5}, 2); }},
+    {"mirror", [] { return make_gaussian_surface({.rms = 0.005}, 4); }},
+    {"holes", [] { return with_missing(make_gaussian_surface({}, 5), 0.04, 6); }},
+    {"mostly_missing", [] { return with_missing(make_gaussian_surface({}, 5), 0.7, 7); }},
+    {"missing_border",
+     [] {
+       HeightField s = make_gaussian_surface({}, 9);
+       s.z.topRows(2).setConstant(kMissing);
+       s.z.rightCols(3).setConstant(kMissing);
+       return s;
+     }},
+    {"flat", [] { return grid_surface(48, 64, 0.11, 0.11, [](auto, auto) { return 0.0; }); }},
+    {"one_cell",
+     [] { return grid_surface(2, 2, 0.11, 0.11, [](auto j, auto i) { return 0.03 * double(i - 2 * j); }); }},
+    {"one_triangle",
+     [] {
+       HeightField s = grid_surface(2, 2, 0.5, 0.3, [](auto j, auto i) { return 0.1 * double(i + j); });
+       s.z(1, 0) = kMissing;
+       return s;
+     }},
+    {"strip", [] { return make_gaussian_surface({.rows = 2, .cols = 300}, 10); }},
+    {"column", [] { return make_gaussian_surface({.rows = 300, .cols = 2}, 11); }},
+    {"tall_pixels",
+     [] { return make_gaussian_surface({.rows = 24, .cols = 100, .dx = 0.05, .dy = 0.5}, 12); }},
+    {"larger_than_the_speckle", [] { return make_gaussian_surface({.rows = 60, .cols = 150}, 14); }, {9, 1}},
+    {"smallest_table", [] { return make_gaussian_surface({}, 15); }, {3, 0.4}},
+    {"zoomed", [] { return make_gaussian_surface({}, 17); }, {49, 0.2}},
+    {"cliffs_of_ten_micrometres",
+     [] {
+       return grid_surface(40, 40, 0.5, 0.5,
+                           [](auto j, auto i) { return (i / 8 + j / 10) % 2 == 0 ? 0.0 : 10.0; });
+     },
+     {33, 0.5},
+     3e-2,
+     {0.5, 0.555, 0.78}},
+    // More terms than fit into a pass, and holes: partial sums.
+    {"a_staircase_of_thirty_micrometres",
+     [] {
+       HeightField s = grid_surface(12, 121, 0.5, 0.5, [](auto j, auto i) {
+         return 0.25 * double(i) + 0.05 * std::sin(double(i * j));
+       });
+       s.z(5, 17) = kMissing;
+       return s;
+     },
+     {25, 0.75},
+     1e-2},
+    {"metre_waves", [] { return make_gaussian_surface({}, 21); }, {33, 1}, 1e-3, {0.5e6, 1e6}},
+    {"ten_nanometre_light",
+     [] { return make_gaussian_surface({.rms = 0.1}, 20); },
+     {33, 0.04},
+     1e-3,
+     {0.01, 0.013}},
+    {"two_decades", [] { return make_gaussian_surface({}, 23); }, {33, 0.7}, 1e-3, {0.4, 4, 40}},
+};
+
+INSTANTIATE_TEST_SUITE_P(Zoo, SpectrumSurface, ::testing::ValuesIn(kSurfaces),
+                         [](const auto& which) { return which.param.name; });
+
+TEST(SpectrumSolver, AgreesWithSeparateRuns) {
+  const HeightField surface = make_gaussian_surface({.rows = 80, .cols = 120}, 31);
+  const DiskGrid grid = {129, 1};
+  constexpr double kTol = 1e-3;
+  const KirchhoffSpectrum spectrum = SpectrumSolver(grid, kVisible, kTol)(surface);
+  for (std::size_t k = 0; k < kVisible.size(); ++k)
+    EXPECT_LE(relative_l2(spectrum.tables[k].density.cast<double>(),
+                          spectral_table(surface, grid, kVisible[k], kTol).table.density),
+              2 * kTol);
+}
+
+TEST(SpectrumSolver, OrdersOfASinusoidMoveWithTheWavelength) {
+  // As in SpectralTable.SinusoidHasBesselOrders; order n stands at h_x = n λ_q/(2·period), on a node of the
+  // table for each of the wavelengths.
+  constexpr int kPeriods = 8, kPerPeriod = 64, kHalf = 64, kSteps = 4;
+  const double amplitude = 0.2, period = 4, dx = period / kPerPeriod, step = 0.1;
+  const HeightField surface = grid_surface(9, kPeriods * kPerPeriod + 1, dx, 0.5, [&](auto, auto i) {
+    return amplitude * std::cos(2 * M_PI * double(i) / kPerPeriod);
+  });
+  const DiskGrid grid = {2 * kHalf + 1, kHalf * step / kSteps / (2 * period)};
+  const std::vector<double> lambda_q = {0.4, 0.5, 0.7};
+  const KirchhoffSpectrum spectrum = SpectrumSolver(grid, lambda_q, 1e-4)(surface);
+  const double area = period * kPeriods * 4.0;
+  for (std::size_t k = 0; k < lambda_q.size(); ++k) {
+    const int nodes = static_cast<int>(std::lround(lambda_q[k] / step)) * kSteps;
+    double peak = 0, worst = 0, between = 0;
+    for (int n = -kHalf / nodes; n <= kHalf / nodes; ++n) {
+      const double sx = n * lambda_q[k] / (2 * period), cz = std::sqrt(1 - sx * sx);
+      const Vec3 q = wave_vector(Vec3(sx, 0, cz), lambda_q[k]);
+      const double bessel = std::cyl_bessel_j(std::abs(n), q.z() * amplitude);
+      const double want = kirchhoff_density(q.squaredNorm() / q.z() * bessel * area, area);
+      peak = std::max(peak, want);
+      worst = std::max(worst, std::abs(spectrum.tables[k].density(kHalf, kHalf + n * nodes) - want));
+    }
+    // Whole periods: nothing halfway between orders, where sinc² of an even number of periods is zero.
+    for (int n = nodes / 2 - kHalf / nodes * nodes; n < kHalf; n += nodes)
+      between = std::max<double>(between, spectrum.tables[k].density(kHalf, kHalf + n));
+    // The triangulation flattens the crests: a few 1e-3 of D.
+    EXPECT_LE(worst, 1e-2 * peak);
+    EXPECT_GT(peak, 0);
+    EXPECT_LE(between, 1e-2 * peak);
+  }
+}
+
+TEST(SpectrumSolver, SameTablesForAnyNumberOfThreadsAndAnyHistory) {
+  const HeightField surface = make_gaussian_surface({}, 51),
+                    other = with_missing(make_gaussian_surface({.rms = 1}, 52), 0.1, 1);
+  SpectrumSolver solver({65, 1}, kVisible, 1e-3);
+  const KirchhoffSpectrum first = solver(surface);
+  solver(other);
+  const int threads = thread_count();
+  set_thread_count(threads == 1 ? 3 : 1);
+  const KirchhoffSpectrum again = solver(surface);
+  set_thread_count(threads);
+  for (std::size_t k = 0; k < kVisible.size(); ++k)
+    EXPECT_TRUE((first.tables[k].density == again.tables[k].density).all());
+}
+
+TEST(SpectrumSolver, LargePatchesAreDoneOneByOne) {
+  const HeightField surface = make_gaussian_surface({}, 61);
+  const DiskGrid grid = {33, 1};
+  const KirchhoffSpectrum spectrum = SpectrumSolver(grid, {0.4, 0.6}, 1e-3, 1000)(surface);
+  EXPECT_FALSE(spectrum.shared);
+  expect_right(surface, grid, 0.4, 1e-3, spectrum.tables[0]);
+  expect_right(surface, grid, 0.6, 1e-3, spectrum.tables[1]);
+}
+
+TEST(SpectrumSolver, SaysWhatItMissed) {
+  // The basis ends at 1e-8 (height_basis.h).
+  constexpr double kTol = 1e-12;
+  const KirchhoffSpectrum spectrum =
+      SpectrumSolver({9, 0.3}, {0.5, 0.6}, kTol)(make_gaussian_surface({.rows = 12, .cols = 12}, 1));
+  for (const SpectrumTable& table : spectrum.tables) {
+    EXPECT_FALSE(table.reached);
+    EXPECT_GT(table.error.error(), kTol);
+  }
+}
+
+TEST(SpectrumSolver, RefusesWhatCannotBe) {
+  EXPECT_THROW(SpectrumSolver({65, 1}, {}, 1e-3), InputError);
+  EXPECT_THROW(SpectrumSolver({65, 1}, {0.5, 0.4}, 1e-3), InputError);
+  EXPECT_THROW(SpectrumSolver({65, 1}, {0.5, 0.5}, 1e-3), InputError);
+  EXPECT_THROW(SpectrumSolver({65, 1}, {0, 0.5}, 1e-3), InputError);
+  EXPECT_THROW(SpectrumSolver({64, 1}, {0.5}, 1e-3), InputError);
+  EXPECT_THROW(SpectrumSolver({65, 1}, {0.5}, 0), InputError);
+  SpectrumSolver solver({65, 1}, {0.5}, 1e-3);
+  EXPECT_THROW(solver(with_missing(make_gaussian_surface({}, 1), 1.1, 1)), InputError);
+}
+
+}  // namespace
+}  // namespace micro
