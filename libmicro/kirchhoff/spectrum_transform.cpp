@@ -66,8 +66,10 @@ template <typename Real>
 TermCoefficients<Real> make_coefficients(const NestedTerms& terms, double phase_reach, const WaveRange& q,
                                          const TermBatch& batch, double tolerance) {
   TermCoefficients<Real> table;
-  // The error of linear interpolation is (phase step)²/8.
-  table.entries = static_cast<int>(std::ceil(phase_reach / std::sqrt(8 * tolerance / 10))) + 16;
+  // The error of linear interpolation is (phase step)²/8; densities are float in the end.
+  constexpr double kFinest = 1e-8;
+  table.entries =
+      static_cast<int>(std::ceil(phase_reach / std::sqrt(8 * std::max(tolerance, kFinest) / 10))) + 16;
   table.low = q.low;
   table.per_q = (table.entries - 1) / std::max(q.high - q.low, 1e-9 * q.high);
   table.padded = (batch.terms() + kTermLanes - 1) / kTermLanes * kTermLanes;
