@@ -1,0 +1,120 @@
+#include "distribution/scatter.h"
+
+#include <algorithm>
+#include <array>
+
+namespace micro {
+namespace {
+
+/// Median and half the interquartile range of numbers in [−extent, extent], by a histogram of 512 bins.
+struct Quartiles {
+  double median, half_range;
+};
+Quartiles quartiles(const std::vector<double>& values, const std::vector<double>& weights, double extent) {
+  constexpr std::size_t kBins = 512;
+  std::array<double, kBins> histogram{};
+  double total = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double weight = std::max(0., weights[k]);
+    const double position = (values[k] / extent + 1) / 2 * kBins;
+    histogram[static_cast<std::size_t>(std::clamp(position, 0., kBins - 1.))] += weight;
+    total += weight;
+  }
+  const auto quantile = [&](double p) {
+    double below = 0;
+    std::size_t bin = 0;
+    while (bin + 1 < kBins && below + histogram[bin] < p * total)
+      below += histogram[bin++];
+    const double part = histogram[bin] > 0 ? std::clamp((p * total - below) / histogram[bin], 0., 1.) : 0.5;
+    return ((static_cast<double>(bin) + part) / kBins * 2 - 1) * extent;
+  };
+  return {quantile(0.5), (quantile(0.75) - quantile(0.25)) / 2};
+}
+
+/// A step of the estimate: weights 2/(1 + |v|²) and 4/(1 + |v|²) are those of two degrees of freedom in
+/// units of the ellipsoid's scale.
+SlopeFrame step(const SlopeFrame& frame, const TableNodes& nodes, double floor) {
+  double mass = 0, sum_w = 0, a = 0, b = 0, aa = 0, ab = 0, bb = 0;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const double d = nodes.density[k];
+    if (!(d > 0)) continue;
+    const double z = std::sqrt(1 - nodes.x[k] * nodes.x[k] - nodes.y[k] * nodes.y[k]);
+    const Vec2 v = frame.whiten({-nodes.x[k] / z, -nodes.y[k] / z});
+    const double w = d / (1 + v.squaredNorm());
+    mass += d;
+    sum_w += w;
+    a += w * v.x();
+    b += w * v.y();
+    aa += w * v.x() * v.x();
+    ab += w * v.x() * v.y();
+    bb += w * v.y() * v.y();
+  }
+  const double ma = a / sum_w, mb = b / sum_w;  // the new centre, in the old frame
+  const double to_scale = 4 / mass;
+  aa = to_scale * (aa - sum_w * ma * ma);
+  ab = to_scale * (ab - sum_w * ma * mb);
+  bb = to_scale * (bb - sum_w * mb * mb);
+  // Σ = L·[aa, ab; ab, bb]·Lᵀ; nothing is narrower than the table's own bins.
+  const double least1 = floor / frame.l11, least2 = floor / frame.l22;
+  const double c11 = std::sqrt(std::max(aa, least1 * least1)), c21 = ab / c11,
+               c22 = std::sqrt(std::max(bb - c21 * c21, least2 * least2));
+  SlopeFrame next;
+  next.centre = frame.unwhiten({ma, mb});
+  next.l11 = frame.l11 * c11;
+  next.l21 = frame.l21 * c11 + frame.l22 * c21;
+  next.l22 = frame.l22 * c22;
+  return next;
+}
+
+}  // namespace
+
+TableNodes core_nodes(const DiskTable& table, std::size_t most) {
+  const Eigen::Index n = table.grid.size;
+  const double peak = table.density.maxCoeff();
+  constexpr double kFaint = 1e-3, kEnough = 0.9;
+  double threshold = kFaint * peak, above = 0, whole = 0;
+  std::size_t count = 0, count_all = 0;
+  for (Eigen::Index k = 0; k < n * n; ++k) {
+    const double d = table.density.data()[k];
+    whole += std::max(0., d);
+    above += d >= threshold ? d : 0;
+    count += d >= threshold ? 1 : 0;
+    count_all += d > 0 ? 1 : 0;
+  }
+  if (!(above >= kEnough * whole)) {
+    threshold = 0;
+    count = count_all;
+  }
+  const std::size_t stride = (count + most - 1) / std::max<std::size_t>(1, most);
+  TableNodes nodes;
+  const std::size_t expected = stride > 0 ? count / stride + 1 : 0;
+  for (auto* values : {&nodes.x, &nodes.y, &nodes.density})
+    values->reserve(expected);
+  std::size_t seen = 0;
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double d = table.density(j, i);
+      if (!(d >= threshold && d > 0 && table.grid.mz2(j, i) > 0)) continue;
+      if (seen++ % stride != 0) continue;
+      nodes.x.push_back(table.grid.coordinate(i));
+      nodes.y.push_back(table.grid.coordinate(j));
+      nodes.density.push_back(d);
+    }
+  return nodes;
+}
+
+SlopeFrame slope_scatter(const TableNodes& core, const DiskGrid& grid) {
+  constexpr int kSteps = 12;
+  const Quartiles x = quartiles(core.x, core.density, grid.extent),
+                  y = quartiles(core.y, core.density, grid.extent);
+  const double spacing = grid.spacing(), z2 = std::max(1 - x.median * x.median - y.median * y.median, 0.01);
+  SlopeFrame frame;
+  frame.centre = Vec2(-x.median, -y.median) / std::sqrt(z2);
+  frame.l11 = std::max(x.half_range, spacing) / z2;
+  frame.l22 = std::max(y.half_range, spacing) / z2;
+  for (int k = 0; k < kSteps && core.size() > 0; ++k)
+    frame = step(frame, core, spacing / 4);
+  return frame;
+}
+
+}  // namespace micro

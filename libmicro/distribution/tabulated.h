@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+
+#include "distribution/disk_table.h"
+#include "distribution/distribution.h"
+
+namespace micro {
+
+/// A disk table as a distribution. D is bilinear in m_xy in every cell of four nodes that are all on the
+/// disk, and zero elsewhere: the ring of cells that the horizon cuts is left out. All else follows from that
+/// function: masking is Smith's for its own slopes, samples follow it exactly. ∫ D m_z dω is what the table
+/// holds.
+///
+/// Copies share their tables. Masking and sampling tables are made when they are first asked for, from any
+/// thread.
+class Tabulated {
+ public:
+  /// Throws InputError if the table holds no mass, or a number that is negative or not finite.
+  explicit Tabulated(const DiskTable& table);
+
+  const DiskTable& table() const;
+  /// ∫ D m_z dω.
+  double mass() const;
+
+  double D(const Vec3& m) const;
+
+  /// Interpolated between 128 azimuths and 129 elevations in the lobe's own frame, where it is nearly round.
+  double visible_area(const Vec3& u) const;
+  /// min(1, mass·u_z/visible_area(u)).
+  double G1(const Vec3& u) const;
+
+  Vec3 sample(const Vec2& xi) const;
+  double pdf(const Vec3& m) const;
+
+  /// Exact by rejection. The first try uses xi itself, the others numbers that follow from it. u_z ≥ 0; where
+  /// less than some 1e-6 of the area is visible, a sample of D m_z instead.
+  Vec3 sample_visible(const Vec3& u, const Vec2& xi) const;
+  double pdf_visible(const Vec3& u, const Vec3& m) const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+static_assert(Distribution<Tabulated>);
+
+}  // namespace micro
