@@ -14,6 +14,7 @@
 #include "io/signature_file.h"
 #include "tools/commands.h"
 #include "tools/json_output.h"
+#include "tools/kirchhoff_options.h"
 #include "tools/scan_output.h"
 #include "tools/units.h"
 
@@ -46,32 +47,6 @@ Extent make_extent(const std::string& text) {
     // falls through to the sentence below
   }
   throw CLI::ValidationError("--extent: '" + text + "' is neither 'auto' nor a number in (0, 1]");
-}
-
-/// patch, an area in µm² or source:ANGLE, the full diameter of a round source at wavelength λ.
-Coherence make_coherence(const std::string& text, double lambda) {
-  if (text == "patch") return WholePatch{};
-  constexpr std::string_view kSource = "source:";
-  if (text.starts_with(kSource))
-    return SubWindows{coherence_area(lambda, parse_angle(text.substr(kSource.size())))};
-  try {
-    std::size_t end = 0;
-    const double area = std::stod(text, &end);
-    if (end == text.size() && area > 0 && std::isfinite(area)) return SubWindows{area};
-  } catch (const std::exception&) {
-    // falls through to the sentence below
-  }
-  throw CLI::ValidationError("--coherence: '" + text + "' is not patch, an area in µm², or source:ANGLE");
-}
-
-Kirchhoff make_kirchhoff(const NdfOptions& options) {
-  const double lambda_q =
-      options.lambda > 0 ? options.lambda / std::cos(options.theta_d / 2) : options.lambda_q;
-  if (!(lambda_q > 0)) throw CLI::ValidationError("--lambda-q: a wavelength must be positive");
-  if (!(options.tolerance > 0 && options.tolerance < 1))
-    throw CLI::ValidationError("--tol: must lie in (0, 1)");
-  return {lambda_q, options.tolerance,
-          make_coherence(options.coherence, options.lambda > 0 ? options.lambda : lambda_q)};
 }
 
 }  // namespace
@@ -110,22 +85,7 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
       "--signature", options.signature,
       "Also write every NDF convolved with the instrument's signature: the full width at half maximum of a "
       "Gaussian in half-vector angle, e.g. 1.5deg, or a file of rows `angle_deg response`");
-  CLI::Option* lambda_q = add_length(app, "--lambda-q", options.lambda_q,
-                                     "Effective wavelength of D_K, lambda/cos(theta_d/2) (default 555nm)");
-  CLI::Option* lambda =
-      add_length(app, "--lambda", options.lambda, "Wavelength of light, instead of --lambda-q");
-  lambda->excludes(lambda_q);
-  add_angle(app, "--theta-d", options.theta_d,
-            "Full angle between light and viewer, with --lambda (default 0)")
-      ->needs(lambda);
-  app.add_option("--tol", options.tolerance, "Relative L2 error of D_K's table")->capture_default_str();
-  app.add_option(
-         "--coherence", options.coherence,
-         "Coherence area of D_K: patch, an area in µm², or source:9deg, the diameter of a round source")
-      ->capture_default_str();
-  lambda->check([](const std::string& text) {
-    return parse_length(text) > 0 ? std::string() : "a wavelength must be positive, not " + text;
-  });
+  add_kirchhoff_options(app, options.kirchhoff);
   add_pitch(app, options.pitch,
             "Distance between points, P or X,Y, for files that don't say it (.npy, plain text)");
   app.add_flag("--mixed", options.mixed, "Take scans of different pitch together");
@@ -154,7 +114,7 @@ NdfRequest request_of(const NdfOptions& options, const std::vector<std::string>&
   };
   for (const std::string& method : methods) {
     if (method == "naive") add({"naive", Naive{}});
-    if (method == "kirchhoff") add({"kirchhoff", make_kirchhoff(options)});
+    if (method == "kirchhoff") add({"kirchhoff", make_kirchhoff(options.kirchhoff)});
     if (method == "filtered")
       for (const double sigma : sigmas)
         add({sigma == sigmas.front() ? "filtered" : filtered_name(sigma), Filtered{sigma}});

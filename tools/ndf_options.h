@@ -8,6 +8,7 @@
 #include "height/repair.h"
 #include "pipelines/ndf_of_scans.h"
 #include "tools/common_options.h"
+#include "tools/kirchhoff_options.h"
 
 namespace micro::tools {
 
@@ -22,11 +23,7 @@ struct NdfOptions {
   bool fill_holes = false;
   bool mixed = false;
   std::string signature;
-  double lambda_q = 0.555;  ///< µm
-  double lambda = 0;        ///< µm, with theta_d instead of lambda_q; 0: lambda_q says it
-  double theta_d = 0;       ///< radians
-  double tolerance = 1e-3;
-  std::string coherence = "patch";
+  KirchhoffOptions kirchhoff;
   std::vector<std::string> pitch;
 };
 
