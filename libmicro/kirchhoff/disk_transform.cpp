@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/fft.h"
@@ -124,8 +125,10 @@ template <typename Real>
 CoefficientTable<Real> make_coefficient_table(const HeightBasis& basis, const WaveRange& q,
                                               const Batch& batch, double tolerance) {
   CoefficientTable<Real> table;
-  // The error of linear interpolation is (phase step)²/8.
-  table.entries = static_cast<int>(std::ceil(basis.phase_reach() / std::sqrt(8 * tolerance / 10))) + 16;
+  // The error of linear interpolation is (phase step)²/8: with the most entries 2e-6 for heights of ±50 µm.
+  constexpr double kMostEntries = 1 << 18;
+  const double wanted = basis.phase_reach() / std::sqrt(8 * tolerance / 10);
+  table.entries = static_cast<int>(std::ceil(std::min(wanted, kMostEntries))) + 16;
   table.low = q.low;
   table.per_q = (table.entries - 1) / std::max(q.high - q.low, 1e-9 * q.high);
   table.fields = batch.fields();
@@ -341,12 +344,15 @@ void check_work(const HeightField& surface, const QuadratureLattice& lattice, in
   const double points =
       static_cast<double>(lattice.rows()) * static_cast<double>(lattice.cols()) * std::max(terms, 1);
   if (points <= kMostPoints) return;
-  const double pitch = std::max(surface.dx, surface.dy);
-  throw InputError("a pitch of " + std::to_string(pitch) +
-                   " µm is too coarse for the whole disk at an effective wavelength of " +
-                   std::to_string(lambda_q) + " µm: lower the extent towards " +
-                   std::to_string(std::min(1.0, lambda_q / (2 * pitch))) +
-                   ", the sine of the first false order");
+  const double pitch = std::max(surface.dx, surface.dy), order = lambda_q / (2 * pitch);
+  std::ostringstream text;
+  if (order < 1)
+    text << "a pitch of " << pitch << " µm is too coarse for the whole disk at an effective wavelength of "
+         << lambda_q << " µm: lower the extent towards " << order << ", the sine of the first false order";
+  else
+    text << "cliffs or spikes would take hours at an effective wavelength of " << lambda_q
+         << " µm: reject outliers, or ask for a larger tolerance";
+  throw InputError(text.str());
 }
 
 template <typename Real>

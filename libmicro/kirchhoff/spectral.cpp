@@ -91,6 +91,11 @@ KirchhoffTable SpectralSolver::operator()(const HeightField& surface, std::uint6
     constexpr double kMargin = 0.8;
     const double excess = std::max(result.error.error(), result.error.error_core_free()) / tol_;
     const SpectralChoice finer = refine(result.choice, excess);
+    // What took long already is not tried again: `reached` tells.
+    constexpr double kMostPoints = 3e10;
+    const double points = static_cast<double>(surface.z.size()) * 4 * finer.subdivision * finer.subdivision *
+                          density.work.terms;
+    if (points > kMostPoints) break;
     if ((result.reached && excess <= kMargin) || finer == result.choice || attempt == kRefinements) break;
     result.choice = finer;
   }

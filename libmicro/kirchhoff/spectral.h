@@ -32,9 +32,9 @@ class SpectralSolver {
 
   /// Computes a table, measures its error on a few nodes drawn with `seed` (as many as take some 15 % of
   /// the table's time), and refines until that
-  /// is within tol or there is nothing left to refine: then `reached` is false. Throws InputError if the
-  /// surface has no triangle, or if the grid is so coarse for this wavelength that a table would take hours:
-  /// the message says how far out the table may go instead.
+  /// is within tol or there is nothing left to refine in some ten seconds: then `reached` is false. Throws
+  /// InputError if the surface has no triangle, or if the grid is so coarse for this wavelength that a table
+  /// would take hours: the message says how far out the table may go instead.
   KirchhoffTable operator()(const HeightField& surface, std::uint64_t seed = 0);
 
  private:
