@@ -1,8 +1,10 @@
 #include "pipelines/ndf_of_scans.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
+#include <new>
 #include <numbers>
 #include <sstream>
 
@@ -14,6 +16,7 @@
 #include "height/statistics.h"
 #include "height/triangles.h"
 #include "io/sha256.h"
+#include "pipelines/pitch_groups.h"
 #include "pipelines/thumbnail.h"
 
 namespace micro {
@@ -33,6 +36,19 @@ struct ScanOutcome {
 double valid_sin_theta(const NdfMethod& method, double pitch) {
   const auto* kirchhoff = std::get_if<Kirchhoff>(&method.kind);
   return kirchhoff ? std::min(1., kirchhoff->lambda_q / (4 * pitch)) : 1;
+}
+
+/// Why a scan is not part of the result: what the exception in flight says, without the file's name.
+std::string failure() {
+  try {
+    throw;
+  } catch (const FileError& error) {
+    return error.fact();
+  } catch (const std::bad_alloc&) {
+    return "not enough memory for this scan";
+  } catch (const std::exception& error) {
+    return error.what();
+  }
 }
 
 ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request,
@@ -73,47 +89,25 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request,
       }
     }
     if (thumbnail) outcome.thumbnail = thumbnail_of(surface);
-  } catch (const std::exception& error) {
-    record.failure = error.what();
+  } catch (...) {
+    record.failure = failure();
   }
   return outcome;
 }
 
-/// Scans of one pitch, to 1 %.
-struct PitchGroup {
-  double dx, dy;
-  std::vector<std::string> sources;
-};
-
-/// Sorts scans into groups of equal pitch as they come.
-class PitchGroups {
- public:
-  void add(const ScanRecord& record) {
-    constexpr double kTolerance = 0.01;
-    for (PitchGroup& group : groups_)
-      if (std::abs(record.dx - group.dx) <= kTolerance * group.dx &&
-          std::abs(record.dy - group.dy) <= kTolerance * group.dy) {
-        group.sources.push_back(record.source);
-        return;
-      }
-    groups_.push_back({record.dx, record.dy, {record.source}});
+/// Only what it takes to say which pitch a scan has.
+ScanOutcome look_at_pitch(const ListedScan& scan, const NdfRequest& request) {
+  ScanOutcome outcome;
+  outcome.record.source = scan.source;
+  try {
+    const HeightField surface = read_scan(scan.path, request.prepare.read).surface;
+    outcome.record.dx = surface.dx;
+    outcome.record.dy = surface.dy;
+  } catch (...) {
+    outcome.record.failure = failure();
   }
-  bool mixed() const { return groups_.size() > 1; }
-  std::string describe() const {
-    std::ostringstream text;
-    text << "the scans have " << groups_.size()
-         << " different pitches and are no one dataset (--mixed takes them together):";
-    for (const PitchGroup& group : groups_) {
-      text << " " << group.dx << " × " << group.dy << " µm: " << group.sources.front();
-      if (group.sources.size() > 1) text << " and " << group.sources.size() - 1 << " more";
-      text << (&group == &groups_.back() ? "" : ";");
-    }
-    return text.str();
-  }
-
- private:
-  std::vector<PitchGroup> groups_;
-};
+  return outcome;
+}
 
 /// The larger pitch of the first scan that can be read, µm.
 std::optional<double> pitch_of(const ScanListing& listing, const NdfRequest& request) {
@@ -320,16 +314,21 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
 
   NdfResult result;
   PitchGroups pitches;
+  std::atomic<bool> refused = false;  // by a second pitch: from then on only the groups' names are wanted
   const auto total = static_cast<std::int64_t>(listing.scans.size());
   parallel_in_order(
       total,
       [&](std::int64_t k) {
-        return look_at(listing.scans[static_cast<std::size_t>(k)], request, estimators,
-                       k < request.thumbnails);
+        const ListedScan& scan = listing.scans[static_cast<std::size_t>(k)];
+        return refused ? look_at_pitch(scan, request)
+                       : look_at(scan, request, estimators, k < request.thumbnails);
       },
       [&](std::int64_t k, ScanOutcome outcome) {
         if (!outcome.record.failure) {
-          pitches.add(outcome.record);
+          pitches.add(outcome.record.dx, outcome.record.dy, outcome.record.source);
+          refused = pitches.mixed() && request.pitches == NdfRequest::Pitches::MustAgree;
+        }
+        if (!outcome.record.failure && !refused) {
           for (std::size_t m = 0; m < accumulators.size(); ++m)
             accumulators[m].add(outcome, m);
           if (outcome.thumbnail) result.thumbnails.push_back(std::move(*outcome.thumbnail));
@@ -337,8 +336,12 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
         result.scans.push_back(std::move(outcome.record));
         report({k + 1, total, result.scans.back().source});
       });
-  if (pitches.mixed() && request.pitches == NdfRequest::Pitches::MustAgree)
-    throw InputError(pitches.describe());
+  if (refused) {
+    std::vector<FailedScan> failed;
+    for (const ScanRecord& scan : result.scans)
+      if (scan.failure) failed.push_back({scan.source, *scan.failure});
+    throw MixedPitches(pitches, std::move(failed));
+  }
 
   result.plan = plan_of_scans(result.scans, request);
   for (Accumulator& accumulator : accumulators) {

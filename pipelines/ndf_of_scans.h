@@ -53,7 +53,7 @@ struct ScanRecord {
   Eigen::Index rejected = 0, filled = 0;  ///< outliers made missing; missing points filled
   std::optional<double> Sq;               ///< µm, after levelling
   std::optional<double> Sdq;              ///< after levelling
-  std::optional<std::string> failure;     ///< why it is not part of the result
+  std::optional<std::string> failure;     ///< why it is not part of the result; does not repeat its name
 };
 
 /// One table over all scans.
@@ -89,8 +89,8 @@ struct Progress {
 
 /// The main recipe [Dong15 §4, §5]: reads, levels and measures each scan, estimates its normal distributions,
 /// and averages them weighted by projected area. A scan that fails is recorded and the others go on. The
-/// result is the same for any number of threads. Throws InputError, naming the groups, if the scans' pitches
-/// differ by more than 1 % and may not.
+/// result is the same for any number of threads. Throws MixedPitches, naming the groups, if the scans'
+/// pitches differ by more than 1 % and may not: nothing is computed once the second pitch is seen.
 NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
                        const std::function<void(const Progress&)>& report);
 

@@ -15,6 +15,7 @@
 #include "kirchhoff/exact.h"
 #include "ndf/normal_counts.h"
 #include "pipelines/output_lock.h"
+#include "pipelines/pitch_groups.h"
 #include "pipelines/result_file.h"
 #include "testing/temporary_folder.h"
 
@@ -107,18 +108,24 @@ TEST_F(Scans, ABrokenScanNeverStopsTheRest) {
   const NdfResult result = run(request());
   EXPECT_EQ(named(result, "naive").scans, 3);
   ASSERT_TRUE(result.scans[0].failure.has_value());
-  EXPECT_NE(result.scans[0].failure->find("broken.dat"), std::string::npos);
+  EXPECT_EQ(result.scans[0].source, "broken.dat");
+  EXPECT_EQ(result.scans[0].failure->find("broken.dat"), std::string::npos) << "the name is said once";
 }
 
 TEST_F(Scans, DifferentPitchesAreRefusedTogether) {
   write_zygo_dat(scans() / "other.dat", gaussian_surface({20, 20, 0.3, 0.3}, {}, 1));
+  write_text("broken.dat", std::string("\x88\x1b\x03\x6f", 4) + std::string(100, '\0'));
   try {
     run(request());
     FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("other.dat"), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("0.2 × 0.2"), std::string::npos) << error.what();
+  } catch (const MixedPitches& error) {
+    for (const char* fact : {"0.2 × 0.2 µm: scan0.dat, scan1.dat, scan2.dat", "0.3 × 0.3 µm: other.dat"})
+      EXPECT_NE(std::string(error.what()).find(fact), std::string::npos) << error.what();
+    ASSERT_EQ(error.failed().size(), 5u);
+    EXPECT_EQ(error.failed()[0].source, "broken.dat");
+    EXPECT_NE(error.failed()[1].message.find("0.3 × 0.3 µm"), std::string::npos);
   }
+  fs::remove(scans() / "broken.dat");
   NdfRequest mixed = request();
   mixed.pitches = NdfRequest::Pitches::MayDiffer;
   EXPECT_EQ(named(run(mixed), "naive").scans, 4);
@@ -253,6 +260,31 @@ TEST_F(Scans, OneOutputServesOneRun) {
   EXPECT_NO_THROW(OutputLock third(output));
 }
 
+TEST_F(Scans, OneFileServesOneRunAndItsNeighboursOthers) {
+  const fs::path out = folder_.path() / "out", output = out / "a.h5";
+  fs::create_directories(out);
+  {
+    const OutputLock lock = OutputLock::of_file(output);
+    EXPECT_THROW(OutputLock::of_file(out / "." / "a.h5"), FileError);
+    EXPECT_NO_THROW(OutputLock::of_file(out / "b.h5"));
+    EXPECT_THROW(OutputLock whole(out), FileError);
+  }
+  EXPECT_TRUE(fs::is_empty(out)) << "nothing came of it";
+  EXPECT_NO_THROW(OutputLock::of_file(output));
+  const OutputLock whole(out);
+  EXPECT_THROW(OutputLock::of_file(output), FileError);
+  EXPECT_THROW(OutputLock::of_file(out / "nowhere" / "a.h5"), FileError);
+}
+
+TEST_F(Scans, ANamedFileIsTakenAndADirectorysFilesKeepItsNameBesideOthers) {
+  const ScanListing one = list_scans({scans()});
+  EXPECT_EQ(one.scans[0].source, "scan0.dat");
+  const ScanListing listing = list_scans({scans(), folder_.path() / "nowhere.dat"});
+  ASSERT_EQ(listing.scans.size(), 4u);
+  EXPECT_EQ(listing.scans[0].source, (scans() / "scan0.dat").generic_string());
+  EXPECT_NO_THROW(ndf_of_scans(listing, request(), [](const Progress&) {}));
+}
+
 TEST_F(Scans, WhatAStoppedRunLeftIsClearedAway) {
   const fs::path output = folder_.path() / "out";
   fs::create_directories(output);
@@ -265,7 +297,6 @@ TEST_F(Scans, FormatsWithoutAPitchAreReadOnlyWhenNamed) {
   write_npy(scans() / "extra.npy", read_scan(scans() / "scan0.dat").surface);
   EXPECT_EQ(list_scans({scans()}).scans.size(), 3u);
   EXPECT_EQ(list_scans({scans() / "extra.npy"}).scans.size(), 1u);
-  EXPECT_THROW(list_scans({scans() / "nowhere"}), FileError);
 }
 
 }  // namespace

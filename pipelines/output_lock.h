@@ -4,19 +4,26 @@
 
 namespace micro {
 
-/// Holds an output folder for one run at a time. The lock is the kernel's: it goes when its process does,
-/// however that ends, and leaves no file behind.
+/// Holds an output folder, or one output file, for one run at a time. The lock is the kernel's: it goes when
+/// its process does, however that ends, and a run that ends by itself leaves no file behind.
 class OutputLock {
  public:
-  /// Makes the folder if need be and takes it. Throws FileError if another run holds it or it cannot be made.
+  /// Makes the folder if need be and takes all of it. Throws FileError if another run holds it, or a file in
+  /// it, or it cannot be made.
   explicit OutputLock(const std::filesystem::path& folder);
   ~OutputLock();
-  OutputLock(const OutputLock&) = delete;
-  OutputLock& operator=(const OutputLock&) = delete;
+  OutputLock(OutputLock&& other) noexcept;
+  OutputLock& operator=(OutputLock&&) = delete;
+
+  /// Takes one file in a folder that is there: other files of the folder stay free for other runs. Throws
+  /// FileError if another run holds the file or its folder.
+  static OutputLock of_file(const std::filesystem::path& file);
 
  private:
-  std::filesystem::path made_;  // the folder, if this made it
-  int descriptor_;
+  OutputLock() = default;
+  std::filesystem::path made_;   // the folder, if this made it
+  std::filesystem::path guard_;  // stands for the file: outputs are replaced, so they cannot hold a lock
+  int folder_ = -1, file_ = -1;  // descriptors
 };
 
 }  // namespace micro

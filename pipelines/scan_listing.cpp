@@ -24,19 +24,28 @@ std::optional<std::string> reason_to_skip(const fs::path& path) {
   if (is_temporary(path)) return "an unfinished output of a run that was stopped";
   const ScanFormat* format = recognise_scan(path);
   if (!format) return "no scan by its content";
+  if (format->listed == ScanFormat::Listed::Never) return "a " + std::string(format->description);
   if (format->listed == ScanFormat::Listed::WhenNamed)
     return std::string(format->name) + " is read only when its file is named";
   return std::nullopt;
 }
 
-void list_directory(const fs::path& directory, const std::optional<fs::path>& leave_out,
-                    ScanListing& listing) {
+/// What a directory entry is that is neither a file nor a folder to look into.
+std::string kind_of(const fs::directory_entry& entry) {
+  std::error_code ignored;
+  if (!entry.is_symlink(ignored)) return "neither a file nor a folder";
+  return entry.is_directory(ignored) ? "a link to a folder" : "a link that leads to no file";
+}
+
+/// `prefix` goes before the names of what is found, which are relative to the directory.
+void list_directory(const fs::path& directory, const fs::path& prefix,
+                    const std::optional<fs::path>& leave_out, ScanListing& listing) {
   std::vector<fs::path> files;
   std::error_code error;
   fs::recursive_directory_iterator entry(directory, fs::directory_options::none, error);
   if (error) throw FileError(directory, "cannot be read: " + error.message());
   const auto source = [&](const fs::path& path) {
-    return path.lexically_relative(directory).generic_string();
+    return (prefix / path.lexically_relative(directory)).generic_string();
   };
   for (; entry != fs::recursive_directory_iterator(); entry.increment(error)) {
     if (error) throw FileError(directory, "cannot be read: " + error.message());
@@ -53,14 +62,16 @@ void list_directory(const fs::path& directory, const std::optional<fs::path>& le
     } else if (entry->is_regular_file(ignored)) {
       files.push_back(path);
     } else {
-      listing.skipped.push_back({source(path), entry->is_directory(ignored) ? "a link to a folder"
-                                                                            : "neither a file nor a folder"});
+      listing.skipped.push_back({source(path), kind_of(*entry)});
     }
   }
   std::sort(files.begin(), files.end(),
             [&](const fs::path& a, const fs::path& b) { return source(a) < source(b); });
   for (const fs::path& path : files) {
-    if (is_same(path, leave_out)) continue;
+    if (is_same(path, leave_out)) {
+      listing.skipped.push_back({source(path), "it is the output"});
+      continue;
+    }
     std::optional<std::string> reason;
     try {
       reason = reason_to_skip(path);
@@ -81,11 +92,9 @@ ScanListing list_scans(const std::vector<fs::path>& paths, const std::optional<f
   for (const fs::path& path : paths) {
     std::error_code error;
     if (fs::is_directory(path, error))
-      list_directory(path, leave_out, listing);
-    else if (fs::exists(path, error))
-      listing.scans.push_back({path, path.generic_string()});
+      list_directory(path, paths.size() > 1 ? path : fs::path(), leave_out, listing);
     else
-      throw FileError(path, "does not exist");
+      listing.scans.push_back({path, path.generic_string()});
   }
   // A file that is named twice is one scan.
   std::set<fs::path> seen;

@@ -7,7 +7,8 @@
 
 namespace micro {
 
-/// A scan to read, and the name it goes by in results: relative to the directory it was found in.
+/// A scan to read, and the name it goes by in results: as typed, or relative to the directory it was found in
+/// if that is the only one named.
 struct ListedScan {
   std::filesystem::path path;
   std::string source;
@@ -27,9 +28,9 @@ struct ScanListing {
 
 /// Lists the scans that are named or lie in the named directories, recursively. In a directory what is not a
 /// scan by its content is skipped and listed, and so are formats that are read only when named (plain text,
-/// .npy, our own files); a file that is named is always taken, and fails later if it is no scan. A folder
-/// that is the output (`leave_out`) is skipped. Links to folders are not followed. Throws FileError if a
-/// named path does not exist or a named directory cannot be read.
+/// .npy, our own results); a file that is named is always taken, and fails later if it is no scan or not
+/// there. The output (`leave_out`, a folder or a file) is skipped. Links to folders are not followed, those
+/// to files are. Throws FileError if a named directory cannot be read.
 ScanListing list_scans(const std::vector<std::filesystem::path>& paths,
                        const std::optional<std::filesystem::path>& leave_out = {});
 

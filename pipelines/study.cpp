@@ -13,8 +13,6 @@
 namespace micro {
 namespace {
 
-void ignore(const Progress&) {}
-
 /// Rejection threshold of the filters' study, in robust standard deviations.
 const double kThreshold = OutlierRule{}.threshold;
 
@@ -22,10 +20,11 @@ const double kThreshold = OutlierRule{}.threshold;
 constexpr double kSignature = 1.5 * std::numbers::pi / 180;
 
 /// All of a study's tables stand on one grid: the widest that any of them needs.
-NdfRequest on_common_grid(const ScanListing& listing, NdfRequest request) {
+NdfRequest on_common_grid(const ScanListing& listing, NdfRequest request,
+                          const std::function<void(const Progress&)>& report) {
   if (!std::holds_alternative<HoldsEnergy>(request.extent)) return request;
   double extent = 0;
-  for (const NdfOfScans& ndf : ndf_of_scans(listing, request, ignore).ndfs)
+  for (const NdfOfScans& ndf : ndf_of_scans(listing, request, report).ndfs)
     extent = std::max(extent, ndf.density.grid.extent);
   request.extent = extent > 0 ? extent : 1.;
   return request;
@@ -56,7 +55,8 @@ void compare(Study& study) {
 
 }  // namespace
 
-Study study_sigma(const ScanListing& listing, const NdfRequest& request, const std::vector<double>& sigmas) {
+Study study_sigma(const ScanListing& listing, const NdfRequest& request, const std::vector<double>& sigmas,
+                  const std::function<void(const Progress&)>& report) {
   // The paper's window, or the first where it is not among those asked for.
   const bool has_default = std::find(sigmas.begin(), sigmas.end(), 1.) != sigmas.end();
   Study study{.title = "Sensitivity to the window's sigma",
@@ -66,18 +66,19 @@ Study study_sigma(const ScanListing& listing, const NdfRequest& request, const s
   all.methods = {{"naive", Naive{}}};
   for (const double sigma : sigmas)
     all.methods.push_back({filtered_name(sigma), Filtered{sigma}});
-  for (NdfOfScans& ndf : ndf_of_scans(listing, on_common_grid(listing, all), ignore).ndfs)
+  for (NdfOfScans& ndf : ndf_of_scans(listing, on_common_grid(listing, all, report), report).ndfs)
     study.rows.push_back(row_of(std::move(ndf)));
   compare(study);
   return study;
 }
 
-Study study_filters(const ScanListing& listing, const NdfRequest& request) {
+Study study_filters(const ScanListing& listing, const NdfRequest& request,
+                    const std::function<void(const Progress&)>& report) {
   Study study{
       .title = "Outlier rejection and hole filling", .reference = "filtered, as measured", .rows = {}};
   NdfRequest plain = request;
   plain.methods = {{"filtered", Filtered{}}};
-  plain = on_common_grid(listing, plain);
+  plain = on_common_grid(listing, plain, report);
   struct Filters {
     const char* name;
     std::optional<double> threshold;
@@ -90,7 +91,7 @@ Study study_filters(const ScanListing& listing, const NdfRequest& request) {
     NdfRequest filtered = plain;
     filtered.prepare.outlier_threshold = threshold;
     filtered.prepare.holes = holes;
-    NdfResult result = ndf_of_scans(listing, filtered, ignore);
+    NdfResult result = ndf_of_scans(listing, filtered, report);
     for (NdfOfScans& ndf : result.ndfs) {
       ndf.method.name += std::string(", ") + name;
       StudyRow row = row_of(std::move(ndf));

@@ -24,10 +24,12 @@ struct Study {
 /// Sensitivity of the filtered NDF to the window's σ, and the naive NDF beside it [Dong15 §5.1, Fig. 5]; the
 /// reference is σ = 1 µm, or the first σ if that is not among them. A σ that the pitch does not resolve is
 /// left out.
-Study study_sigma(const ScanListing& listing, const NdfRequest& request, const std::vector<double>& sigmas);
+Study study_sigma(const ScanListing& listing, const NdfRequest& request, const std::vector<double>& sigmas,
+                  const std::function<void(const Progress&)>& report);
 
 /// Outlier rejection and hole filling, off and on [Dong15 §4.1]; the reference is everything off.
-Study study_filters(const ScanListing& listing, const NdfRequest& request);
+Study study_filters(const ScanListing& listing, const NdfRequest& request,
+                    const std::function<void(const Progress&)>& report);
 
 /// A study as a Markdown table.
 std::string to_markdown(const Study& study);

@@ -28,7 +28,7 @@ class StudyTest : public testing::Test {
 };
 
 TEST_F(StudyTest, WiderWindowsGiveNarrowerLobes) {
-  const Study study = study_sigma(listing(), request_, {0.5, 1, 2});
+  const Study study = study_sigma(listing(), request_, {0.5, 1, 2}, [](const Progress&) {});
   ASSERT_EQ(study.rows.size(), 4u);
   EXPECT_GT(study.rows[1].width_x, study.rows[2].width_x);
   EXPECT_GT(study.rows[2].width_x, study.rows[3].width_x);
@@ -39,7 +39,7 @@ TEST_F(StudyTest, WiderWindowsGiveNarrowerLobes) {
 }
 
 TEST_F(StudyTest, FiltersReportWhatTheyChanged) {
-  const Study study = study_filters(listing(), request_);
+  const Study study = study_filters(listing(), request_, [](const Progress&) {});
   ASSERT_EQ(study.rows.size(), 4u);
   EXPECT_EQ(study.rows[0].rejected, 0);
   EXPECT_GE(study.rows[1].rejected, 1);

@@ -12,9 +12,12 @@ void add_common_options(CLI::App& app, CommonOptions& options, const char* examp
   app.add_option("--threads", options.threads, "Threads to use (default: one per processor)")
       ->check(CLI::Range(1, 1024));
   app.add_flag("--json", options.json, "Print a machine-readable summary on stdout");
-  app.add_flag("--progress", options.progress, "Show progress on stderr even when it is no terminal");
-  app.footer(std::string("Example:\n  ") + example + "\n");
+  app.footer(std::string("Example:\n  ") + example + "\n" + kExitCodes);
   app.parse_complete_callback([&options] { set_thread_count(options.threads); });
+}
+
+void add_progress(CLI::App& app, CommonOptions& options) {
+  app.add_flag("--progress", options.progress, "Show progress on stderr even when it is no terminal");
 }
 
 bool shows_progress(const CommonOptions& options) {

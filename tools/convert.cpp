@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,7 +9,6 @@
 #include "io/scan.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"
-#include "tools/json_output.h"
 #include "tools/scan_output.h"
 
 namespace micro::tools {
@@ -26,25 +24,6 @@ struct Options {
   Level level = Level::None;
 };
 
-void print_summary(const Options& options, const Scan& scan, const ScanTarget& target) {
-  const HeightField& surface = scan.surface;
-  if (options.common.json) {
-    print_json(nlohmann::json{{"source", scan.path.string()},
-                              {"format", scan.format},
-                              {"output", options.output.string()},
-                              {"output_format", target.format},
-                              {"rows", surface.rows()},
-                              {"cols", surface.cols()},
-                              {"dx_um", surface.dx},
-                              {"dy_um", surface.dy},
-                              {"missing", missing_count(surface)}});
-    return;
-  }
-  std::cout << scan.path.string() << " (" << scan.format << ", " << surface.cols() << " × " << surface.rows()
-            << " points, " << missing_count(surface) << " missing) → " << options.output.string() << '\n';
-  std::cout << what_is_lost(target, surface);
-}
-
 int convert(const Options& options, const CLI::App& app) {
   const ReadOptions reading = parse_pitch(options.pitch);
   const ScanTarget& target = scan_target_of(options.output);
@@ -54,7 +33,9 @@ int convert(const Options& options, const CLI::App& app) {
   Scan scan = read_scan(options.scan, reading);
   scan.surface = level(std::move(scan.surface), options.level);
   target.write(options.output, scan.surface, command_line_of(app));
-  print_summary(options, scan, target);
+  print_written(options.common, {{"source", scan.path.string()}, {"format", scan.format}},
+                scan.path.string() + " (" + std::string(scan.format) + ")", options.output, target,
+                scan.surface);
   return kDone;
 }
 

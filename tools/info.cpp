@@ -22,6 +22,7 @@
 #include "tools/commands.h"
 #include "tools/common_options.h"
 #include "tools/json_output.h"
+#include "tools/listing_output.h"
 #include "tools/scan_output.h"
 
 namespace micro::tools {
@@ -31,7 +32,7 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
   CommonOptions common;
-  std::vector<std::filesystem::path> scans;
+  std::vector<std::string> scans;
   std::vector<std::string> pitch;
   Level level = Level::Plane;
   bool fill_holes = false;
@@ -188,14 +189,16 @@ void print(std::ostream& out, const Description& d, Level level) {
 
 int info(const Options& options) {
   const ReadOptions reading = parse_pitch(options.pitch);
+  const ScanListing listing = list_scans({options.scans.begin(), options.scans.end()});
+  require_scans(listing, options.scans);
   Json scans = Json::array(), failed = Json::array();
   parallel_in_order(
-      static_cast<std::int64_t>(options.scans.size()),
+      static_cast<std::int64_t>(listing.scans.size()),
       [&](std::int64_t k) {
-        return try_to_describe(options.scans[static_cast<std::size_t>(k)], options, reading);
+        return try_to_describe(listing.scans[static_cast<std::size_t>(k)].path, options, reading);
       },
       [&](std::int64_t k, Outcome outcome) {
-        const std::string source = options.scans[static_cast<std::size_t>(k)].string();
+        const std::string source = listing.scans[static_cast<std::size_t>(k)].path.string();
         if (!outcome.description) {
           std::fprintf(stderr, "microbrdf: %s: %s\n", source.c_str(), outcome.message.c_str());
           failed.push_back({{"source", source}, {"message", outcome.message}});
@@ -204,7 +207,10 @@ int info(const Options& options) {
           if (!options.common.json) print(std::cout, *outcome.description, options.level);
         }
       });
-  if (options.common.json) print_json(Json{{"scans", scans}, {"failed", failed}});
+  if (options.common.json)
+    print_json(Json{{"scans", scans}, {"failed", failed}, {"skipped", skipped_json(listing)}});
+  else
+    print_skipped(listing);
   if (failed.empty()) return kDone;
   return scans.empty() ? kNothing : kSomeFailed;
 }
@@ -213,7 +219,7 @@ int info(const Options& options) {
 
 Run add_info(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option("scans", options->scans, "Scans in any readable format")->required()->type_name("SCAN");
+  app.add_option("SCAN", options->scans, "Scans in any readable format, or directories of scans")->required();
   add_pitch(app, options->pitch,
             "Distance between points, P or X,Y, for formats that do not keep it (.npy, plain text)");
   add_level(app, options->level);

@@ -1,7 +1,9 @@
 #include <memory>
 
+#include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
+#include "tools/listing_output.h"
 #include "tools/ndf_options.h"
 #include "tools/scan_output.h"
 
@@ -17,10 +19,12 @@ struct Options {
 };
 
 int run(const Options& options, const CLI::App& app) {
+  require_in_use(app, options.methods);
   NdfRequest request = make_request(options.ndf, options.methods);
-  request.statistics = NdfRequest::Statistics::LeaveOut;
   request.unfit = NdfRequest::Unfit::Fail;  // what was asked for by name is done or refused
   const ScanListing listing = list_scans({options.scans.begin(), options.scans.end()}, options.output);
+  require_scans(listing, options.scans);
+  const OutputLock lock = OutputLock::of_file(options.output);
   const NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
   if (!result.ndfs.empty()) write_result(options.output, result, command_line_of(app));
   return conclude(result, listing, options.common, options.output);
@@ -37,6 +41,7 @@ Run add_ndf(CLI::App& app) {
       ->allow_extra_args(false)
       ->capture_default_str();
   add_ndf_options(app, options->ndf);
+  add_progress(app, options->common);
   add_common_options(
       app, options->common,
       "microbrdf ndf scans/ -o brushed.h5 --method naive --method filtered --sigma 1um --signature 1.5deg");

@@ -1,6 +1,7 @@
 #include "tools/ndf_options.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -15,6 +16,7 @@
 #include "tools/commands.h"
 #include "tools/json_output.h"
 #include "tools/kirchhoff_options.h"
+#include "tools/listing_output.h"
 #include "tools/scan_output.h"
 #include "tools/units.h"
 
@@ -132,6 +134,23 @@ NdfRequest make_request(const NdfOptions& options, const std::vector<std::string
   }
 }
 
+void require_in_use(const CLI::App& app, const std::vector<std::string>& methods) {
+  struct Use {
+    const char* option;
+    const char* method;
+  };
+  constexpr std::array uses = {Use{"--sigma", "filtered"},   Use{"--lambda-q", "kirchhoff"},
+                               Use{"--lambda", "kirchhoff"}, Use{"--theta-d", "kirchhoff"},
+                               Use{"--tol", "kirchhoff"},    Use{"--coherence", "kirchhoff"}};
+  for (const auto& [name, method] : uses) {
+    const CLI::Option* option = app.get_option_no_throw(name);
+    if (!option || option->count() == 0) continue;
+    if (std::find(methods.begin(), methods.end(), method) == methods.end())
+      throw CLI::ValidationError(std::string(name) + " is for the " + method +
+                                 " NDF, which is not computed here");
+  }
+}
+
 std::function<void(const Progress&)> progress_line(const CommonOptions& options) {
   if (!shows_progress(options)) return [](const Progress&) {};
   return [watch = Stopwatch(), last = -1.](const Progress& progress) mutable {
@@ -157,14 +176,14 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
       ++done;
       continue;
     }
-    std::fprintf(stderr, "microbrdf: %s\n", scan.failure->c_str());
+    std::fprintf(stderr, "microbrdf: %s: %s\n", scan.source.c_str(), scan.failure->c_str());
     failed.push_back({{"source", scan.source}, {"message", *scan.failure}});
   }
   if (options.json) {
     const auto number = [](double value) {
       return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
     };
-    nlohmann::json methods = nlohmann::json::array(), skipped = nlohmann::json::array();
+    nlohmann::json methods = nlohmann::json::array();
     for (const NdfOfScans& ndf : result.ndfs)
       methods.push_back({{"method", ndf.method.name},
                          {"estimator", estimator_of(ndf.method)},
@@ -176,25 +195,17 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
                          {"scans", ndf.scans},
                          {"samples", ndf.samples},
                          {"without_normal", ndf.without_normal}});
-    for (const Skipped& file : listing.skipped)
-      skipped.push_back({{"source", file.source}, {"reason", file.reason}});
     const nlohmann::json summary = {
         {"output", output.string()}, {"scans", done},
-        {"failed", failed},          {"skipped", skipped},
+        {"failed", failed},          {"skipped", skipped_json(listing)},
         {"methods", methods},        {"plan", nlohmann::json::parse(to_json(result.plan))}};
     print_json(summary);
   } else {
     for (const NdfOfScans& ndf : result.ndfs)
       std::printf("%s: normalization %.6g over sin(theta) <= %.4g, %.3g s\n", ndf.method.name.c_str(),
                   normalization(ndf.density), ndf.density.grid.extent, ndf.seconds);
-    std::printf("%s", to_text(result.plan).c_str());
-    if (!listing.skipped.empty()) {
-      std::printf("Skipped %zu:\n", listing.skipped.size());
-      constexpr std::size_t kShown = 10;
-      for (std::size_t k = 0; k < std::min(kShown, listing.skipped.size()); ++k)
-        std::printf("  %s: %s\n", listing.skipped[k].source.c_str(), listing.skipped[k].reason.c_str());
-      if (listing.skipped.size() > kShown) std::printf("  and %zu more\n", listing.skipped.size() - kShown);
-    }
+    if (done > 0) std::printf("%s", to_text(result.plan).c_str());
+    print_skipped(listing);
     if (!result.ndfs.empty()) std::printf("%s\n", output.c_str());
   }
   if (result.ndfs.empty()) {

@@ -33,6 +33,9 @@ void add_ndf_options(CLI::App& app, NdfOptions& options);
 /// Throws CLI::ValidationError or InputError, with a sentence, if they make none.
 NdfRequest make_request(const NdfOptions& options, const std::vector<std::string>& methods);
 
+/// Throws CLI::ValidationError, with a sentence, if an option was given that none of the methods uses.
+void require_in_use(const CLI::App& app, const std::vector<std::string>& methods);
+
 /// Draws progress on stderr: scans done, rate and time left. Draws nothing unless progress is shown.
 std::function<void(const Progress&)> progress_line(const CommonOptions& options);
 

@@ -5,6 +5,7 @@
 #include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
+#include "tools/listing_output.h"
 #include "tools/ndf_options.h"
 #include "tools/scan_output.h"
 
@@ -39,15 +40,17 @@ int run(const Options& options, const CLI::App& app) {
   for (const char* method : {"naive", "filtered", "kirchhoff"})
     if (wants(method)) methods.emplace_back(method);
   if (methods.empty()) throw CLI::ValidationError("--without leaves nothing to do");
+  require_in_use(app, methods);
   NdfRequest request = make_request(options.ndf, methods);
   if (!wants("statistics")) request.statistics = NdfRequest::Statistics::LeaveOut;
   constexpr int kThumbnails = 12;
   if (wants("pictures")) request.thumbnails = kThumbnails;
 
   const std::filesystem::path output = options.output;
+  if (!std::filesystem::exists(options.directory)) throw FileError(options.directory, "does not exist");
   // Read first: an output folder is made only for work that there is.
   const ScanListing listing = list_scans({options.directory}, output);
-  if (listing.scans.empty()) throw FileError(options.directory, "holds no scan");
+  require_scans(listing, {options.directory});
   const OutputLock lock(output);
   NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
   for (const std::string& stage : options.without)
@@ -82,6 +85,7 @@ Run add_run(CLI::App& app) {
       ->delimiter(',')
       ->check(CLI::IsMember(std::vector<std::string>(kStages.begin(), kStages.end())));
   add_ndf_options(app, options->ndf);
+  add_progress(app, options->common);
   add_common_options(app, options->common, "microbrdf run scans/ -o out --without naive");
   return [options, &app] { return run(*options, app); };
 }

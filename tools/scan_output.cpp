@@ -4,12 +4,14 @@
 #include <chrono>
 #include <ctime>
 #include <iomanip>
+#include <iostream>
 #include <sstream>
 
 #include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
 #include "io/zygo_dat.h"
 #include "pipelines/version.h"
+#include "tools/json_output.h"
 #include "tools/units.h"
 
 namespace micro::tools {
@@ -42,6 +44,15 @@ constexpr std::array kTargets = {
                  write_npy(path, surface);
                }}};
 
+/// A sentence for people about what the format cannot keep (.npy: the pitch); empty if it keeps all.
+std::string what_is_lost(const ScanTarget& target, const HeightField& surface) {
+  if (target.format != kNpy.name) return {};
+  std::ostringstream text;
+  text << std::setprecision(10) << "A .npy file has no place for the pitch: read it again with --pitch "
+       << surface.dx << "um," << surface.dy << "um\n";
+  return text.str();
+}
+
 }  // namespace
 
 const ScanTarget& scan_target_of(const fs::path& output) {
@@ -50,12 +61,23 @@ const ScanTarget& scan_target_of(const fs::path& output) {
   throw CLI::ValidationError("--output", "'" + output.string() + "' should end in .h5, .dat or .npy");
 }
 
-std::string what_is_lost(const ScanTarget& target, const HeightField& surface) {
-  if (target.format != kNpy.name) return {};
-  std::ostringstream text;
-  text << std::setprecision(10) << "A .npy file has no place for the pitch: read it again with --pitch "
-       << surface.dx << "um," << surface.dy << "um\n";
-  return text.str();
+void print_written(const CommonOptions& common, const nlohmann::json& origin, const std::string& what,
+                   const fs::path& output, const ScanTarget& target, const HeightField& surface) {
+  if (!common.json) {
+    std::cout << what << ", " << surface.cols() << " × " << surface.rows() << " points, "
+              << missing_count(surface) << " missing → " << output.string() << '\n'
+              << what_is_lost(target, surface);
+    return;
+  }
+  nlohmann::json summary = {{"output", output.string()},
+                            {"output_format", target.format},
+                            {"rows", surface.rows()},
+                            {"cols", surface.cols()},
+                            {"dx_um", surface.dx},
+                            {"dy_um", surface.dy},
+                            {"missing", missing_count(surface)}};
+  summary.update(origin);
+  print_json(summary);
 }
 
 std::string command_line_of(const CLI::App& app) {

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "height/height_field.h"
 #include "height/level.h"
 #include "io/scan.h"
+#include "tools/common_options.h"
 
 namespace micro::tools {
 
@@ -24,8 +26,10 @@ struct ScanTarget {
 /// CLI::ValidationError for other suffixes.
 const ScanTarget& scan_target_of(const std::filesystem::path& output);
 
-/// A sentence for people about what the format cannot keep (.npy: the pitch); empty if it keeps all.
-std::string what_is_lost(const ScanTarget& target, const HeightField& surface);
+/// Says on stdout what was written: for people with `what` in front and what the format cannot keep, or as
+/// JSON with the keys of `origin` and those of every surface.
+void print_written(const CommonOptions& common, const nlohmann::json& origin, const std::string& what,
+                   const std::filesystem::path& output, const ScanTarget& target, const HeightField& surface);
 
 /// The command as it was given: the subcommands' names and every option that was set.
 std::string command_line_of(const CLI::App& app);

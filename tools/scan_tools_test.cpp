@@ -9,6 +9,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 
 #include "io/scan.h"
 #include "testing/temporary_folder.h"
@@ -73,7 +74,7 @@ TEST_F(ScanTools, SynthTakesOnlyWhatAppliesToItsKind) {
   for (const char* wrong : {"gaussian --rows 0", "gaussian --tau 0", "gaussian --holes 1.5",
                             "brushed --width 0", "facet --side 1nm", "sinusoid --period 0.7um --periodic"}) {
     const Outcome outcome = run(std::string("synth ") + wrong + " -o " + file("a.dat"));
-    EXPECT_EQ(outcome.code, 3) << wrong << outcome.err;
+    EXPECT_EQ(outcome.code, 2) << wrong << outcome.err;
     EXPECT_FALSE(outcome.err.empty());
   }
 }
@@ -158,6 +159,55 @@ TEST_F(ScanTools, InfoGoesOnAfterABadFile) {
   EXPECT_EQ(json["failed"][0]["source"], file("bad.dat"));
   EXPECT_EQ(run("info " + file("bad.dat")).code, 3);
   EXPECT_EQ(run("info").code, 2);
+}
+
+TEST_F(ScanTools, InfoTakesFolders) {
+  std::filesystem::create_directories(folder.path() / "deep" / "deeper");
+  EXPECT_EQ(run("info " + file("deep")).code, 3);
+  ASSERT_EQ(run("synth step" + std::string(kSmall) + "-o " + file("deep/deeper/good.dat")).code, 0);
+  std::ofstream(file("deep/readme.txt")) << "no scan";
+  const auto json = nlohmann::json::parse(run("info --json " + file("deep")).out);
+  ASSERT_EQ(json["scans"].size(), 1u);
+  EXPECT_EQ(json["scans"][0]["source"], file("deep/deeper/good.dat"));
+  EXPECT_EQ(json["skipped"][0]["source"], "readme.txt");
+}
+
+TEST_F(ScanTools, JsonIsThereHoweverARunEnds) {
+  ASSERT_EQ(run("synth step" + std::string(kSmall) + "-o " + file("a.dat")).code, 0);
+  ASSERT_EQ(run("synth step --pitch 1um" + std::string(kSmall) + "-o " + file("b.dat")).code, 0);
+  const std::string both = file("a.dat") + " " + file("b.dat");
+  for (const auto& [arguments, code, failed] :
+       {std::tuple{"ndf " + both + " -o " + file("x.h5"), 3, 2},
+        std::tuple{"ndf " + file("none.dat") + " -o " + file("x.h5"), 3, 1},
+        std::tuple{"convert " + file("none.dat") + " -o " + file("x.h5"), 3, 1},
+        std::tuple{"ndf " + file("a.dat") + " -o " + file("nowhere/x.h5"), 3, 1},
+        std::tuple{"ndf --tol 0.1 " + file("a.dat") + " -o " + file("x.h5"), 2, 0},
+        std::tuple{std::string("ndf"), 2, 0}, std::tuple{std::string("nfd"), 2, 0}}) {
+    const Outcome outcome = run(arguments + " --json");
+    EXPECT_EQ(outcome.code, code) << arguments << outcome.err;
+    const auto json = nlohmann::json::parse(outcome.out, nullptr, false);
+    ASSERT_FALSE(json.is_discarded()) << arguments << outcome.out;
+    EXPECT_EQ(json["failed"].size(), static_cast<std::size_t>(failed)) << arguments << outcome.out;
+    EXPECT_FALSE(std::filesystem::exists(file("x.h5")));
+  }
+}
+
+TEST_F(ScanTools, AnOptionThatNothingUsesIsRefused) {
+  ASSERT_EQ(run("synth step" + std::string(kSmall) + "-o " + file("scans.dat")).code, 0);
+  for (const char* idle :
+       {"ndf --method naive --sigma 2um", "ndf --tol 0.1", "ndf --lambda-q 500nm", "ndf --coherence 50",
+        "run --without kirchhoff --lambda 500nm", "run --without filtered --sigma 1um"}) {
+    const Outcome outcome = run(std::string(idle) + " " + file("scans.dat") + " -o " + file("x"));
+    EXPECT_EQ(outcome.code, 2) << idle << outcome.err;
+    EXPECT_NE(outcome.err.find("not computed here"), std::string::npos) << outcome.err;
+  }
+}
+
+TEST_F(ScanTools, AnUnknownSubcommandIsToldWhichThereAre) {
+  EXPECT_NE(run("nfd").err.find("'nfd' is no subcommand of microbrdf; there are run, info"),
+            std::string::npos);
+  EXPECT_NE(run("synth wavy").err.find("'wavy' is no subcommand of synth; there are gaussian"),
+            std::string::npos);
 }
 
 TEST_F(ScanTools, InfoOfNothingButHolesIsNull) {

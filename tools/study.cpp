@@ -7,6 +7,7 @@
 #include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
+#include "tools/listing_output.h"
 #include "tools/ndf_options.h"
 #include "tools/units.h"
 
@@ -46,12 +47,15 @@ std::shared_ptr<Options> add_study_options(CLI::App& app, const char* example) {
   app.add_option("-o,--output", options->output, "Folder for study.csv, study.md and contact_sheet.png")
       ->required();
   add_ndf_options(app, options->ndf);
+  add_progress(app, options->common);
   add_common_options(app, options->common, example);
   return options;
 }
 
 ScanListing listing_of(const Options& options) {
-  return list_scans({options.scans.begin(), options.scans.end()}, options.output);
+  ScanListing listing = list_scans({options.scans.begin(), options.scans.end()}, options.output);
+  require_scans(listing, options.scans);
+  return listing;
 }
 
 }  // namespace
@@ -74,12 +78,14 @@ Run add_study(CLI::App& app) {
       study->remove_option(study->get_option(name));
   return [=] {
     if (filters->parsed())
-      return conclude(study_filters(listing_of(*filter_options), make_request(filter_options->ndf, {})),
+      return conclude(study_filters(listing_of(*filter_options), make_request(filter_options->ndf, {}),
+                                    progress_line(filter_options->common)),
                       *filter_options);
     const std::vector<double>& asked = sigma_options->ndf.sigmas;
     const std::vector<double> sigmas =
         asked.empty() ? std::vector<double>{0.25, 0.5, 0.75, 1, 1.25, 1.5, 2} : asked;
-    return conclude(study_sigma(listing_of(*sigma_options), make_request(sigma_options->ndf, {}), sigmas),
+    return conclude(study_sigma(listing_of(*sigma_options), make_request(sigma_options->ndf, {}), sigmas,
+                                progress_line(sigma_options->common)),
                     *sigma_options);
   };
 }

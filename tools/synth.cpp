@@ -2,19 +2,18 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
-#include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "core/error.h"
 #include "height/brushed_surface.h"
 #include "height/gaussian_surface.h"
 #include "height/make_holes.h"
 #include "height/shaped_surface.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"
-#include "tools/json_output.h"
 #include "tools/scan_output.h"
 #include "tools/units.h"
 
@@ -32,7 +31,7 @@ struct Options {
   std::filesystem::path output;
 };
 
-/// Makes the surface once the command line is parsed.
+/// Makes the surface once the command line is parsed. Throws InputError if the options make none.
 using Make = std::function<HeightField(const Options&)>;
 
 /// A kind of surface: adds the options that it alone has.
@@ -214,27 +213,24 @@ void add_shared_options(CLI::App& app, Options& options, const Kind& kind) {
   add_length(app, "--hole-radius", options.holes.radius, "Radius of round holes (default 0: single points)");
 }
 
+/// Throws CLI::ValidationError if the options make no surface.
+HeightField surface_of(const Options& options, const Make& make) {
+  try {
+    return make_holes(make(options), options.holes, options.seed);
+  } catch (const InputError& error) {
+    throw CLI::ValidationError(error.what());
+  }
+}
+
 int synth(Options& options, const Kind& kind, const Make& make, const CLI::App& app) {
   const ScanTarget& target = scan_target_of(options.output);
   const ReadOptions pitch = parse_pitch(options.pitch);
   options.grid.dx = pitch.pitch_x.value_or(options.grid.dx);
   options.grid.dy = pitch.pitch_y.value_or(pitch.pitch_x.value_or(options.grid.dy));
-  const HeightField surface = make_holes(make(options), options.holes, options.seed);
+  const HeightField surface = surface_of(options, make);
   target.write(options.output, surface, command_line_of(app));
-  if (options.common.json)
-    print_json(nlohmann::json{{"kind", kind.name},
-                              {"output", options.output.string()},
-                              {"output_format", target.format},
-                              {"seed", options.seed},
-                              {"rows", surface.rows()},
-                              {"cols", surface.cols()},
-                              {"dx_um", surface.dx},
-                              {"dy_um", surface.dy},
-                              {"missing", missing_count(surface)}});
-  else
-    std::cout << kind.name << ", " << surface.cols() << " × " << surface.rows() << " points, "
-              << missing_count(surface) << " missing → " << options.output.string() << '\n'
-              << what_is_lost(target, surface);
+  print_written(options.common, {{"kind", kind.name}, {"seed", options.seed}}, kind.name, options.output,
+                target, surface);
   return kDone;
 }
 
@@ -254,7 +250,8 @@ Run add_synth(CLI::App& app) {
       *chosen = [options, make, subcommand, &kind] { return synth(*options, kind, make, *subcommand); };
     });
   }
-  app.footer("Example:\n  microbrdf synth gaussian --rms 0.3um --tau 3um -o rough.dat\n");
+  app.footer(std::string("Example:\n  microbrdf synth gaussian --rms 0.3um --tau 3um -o rough.dat\n") +
+             kExitCodes);
   return [chosen] { return (*chosen)(); };
 }
 

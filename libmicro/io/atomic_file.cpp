@@ -44,14 +44,17 @@ class Descriptor {
 fs::path make_temporary(const fs::path& path, const fs::path& folder) {
   static std::atomic<unsigned> count{0};
   for (;;) {
-    const fs::path name = folder / (std::string(kPrefix) + std::to_string(::getpid()) + "-" +
-                                    std::to_string(count++) + std::string(kSuffix));
+    const fs::path name = folder / temporary_name(std::to_string(::getpid()) + "-" + std::to_string(count++));
     if (Descriptor file(name, O_WRONLY | O_CREAT | O_EXCL); file.get() >= 0) return name;
     if (errno != EEXIST) throw FileError(path, "cannot be written: " + reason(errno));
   }
 }
 
 }  // namespace
+
+std::string temporary_name(const std::string& distinction) {
+  return std::string(kPrefix) + distinction + std::string(kSuffix);
+}
 
 bool is_temporary(const fs::path& path) {
   const std::string name = path.filename().string();

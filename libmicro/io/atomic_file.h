@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
 
 namespace micro {
 
@@ -30,7 +31,10 @@ class AtomicFile {
   std::filesystem::path temporary_;
 };
 
-/// Is this the name of an AtomicFile's temporary file?
+/// The name of a file that lives no longer than the run that makes it.
+std::string temporary_name(const std::string& distinction);
+
+/// Is this such a name? AtomicFile's temporary files have one.
 bool is_temporary(const std::filesystem::path& path);
 
 /// Writes the bytes as a whole file. Throws FileError.

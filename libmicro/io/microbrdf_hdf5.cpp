@@ -1,6 +1,7 @@
 #include "io/microbrdf_hdf5.h"
 
 #include <cmath>
+#include <string_view>
 #include <vector>
 
 #include "io/bytes.h"
@@ -22,6 +23,28 @@ void write_axis(Hdf5Writer& file, const std::string& name, Eigen::Index points, 
   file.make_scale(dataset, name);
 }
 
+enum class Kind { Heights, Result, Foreign };
+
+/// What kind of our files this is, if it is ours. HDF5 opens no file that was cut: then it is judged by the
+/// names that stand in its beginning, where the root's attributes and a result's first group are.
+Kind kind_of(const FileHead& head) {
+  if (!begins_with(head.bytes, "\x89HDF\r\n\x1a\n")) return Kind::Foreign;
+  try {
+    const Hdf5Reader file(head.path);
+    if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != "microbrdf")
+      return Kind::Foreign;
+    return file.is_group("/height") ? Kind::Heights : Kind::Result;
+  } catch (const FileError&) {
+    constexpr std::uintmax_t kBeginning = 1 << 16;
+    const FileBytes beginning(head.path, kBeginning);
+    const auto has = [&](std::string_view name) {
+      return beginning.text().find(name) != std::string_view::npos;
+    };
+    if (!has("microbrdf_version")) return Kind::Foreign;
+    return has("scans") ? Kind::Result : Kind::Heights;
+  }
+}
+
 }  // namespace
 
 void write_origin(Hdf5Writer& file, const Origin& origin) {
@@ -33,14 +56,16 @@ void write_origin(Hdf5Writer& file, const Origin& origin) {
 }
 
 bool is_microbrdf_hdf5(const FileHead& head) {
-  if (!begins_with(head.bytes, "\x89HDF\r\n\x1a\n")) return false;
-  try {
-    const Hdf5Reader file(head.path);
-    return file.has_attribute("/", "format") && file.text_attribute("/", "format") == "microbrdf" &&
-           file.is_group("/height");
-  } catch (const FileError&) {
-    return false;
-  }
+  return kind_of(head) == Kind::Heights;
+}
+
+bool is_microbrdf_result(const FileHead& head) {
+  return kind_of(head) == Kind::Result;
+}
+
+HeightField refuse_microbrdf_result(const std::filesystem::path& path, const ReadOptions&) {
+  const Hdf5Reader file(path);
+  throw FileError(path, "is a result of microbrdf and holds no heights");
 }
 
 HeightField read_microbrdf_hdf5(const std::filesystem::path& path, const ReadOptions&) {

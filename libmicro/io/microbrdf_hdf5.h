@@ -25,10 +25,18 @@ HeightField read_microbrdf_hdf5(const std::filesystem::path& path, const ReadOpt
 void write_microbrdf_hdf5(const std::filesystem::path& path, const HeightField& surface,
                           const Origin& origin);
 
-/// Our own height file. A result.h5 without /height is no scan; a file that was cut while it was written is
-/// refused.
+bool is_microbrdf_result(const FileHead& head);
+/// Always throws FileError: a result holds no heights.
+HeightField refuse_microbrdf_result(const std::filesystem::path& path, const ReadOptions& options);
+
+/// Our own height file. One that was cut is refused.
 inline constexpr ScanFormat kMicrobrdfHdf5 = {"microbrdf-hdf5", "microbrdf height file (HDF5)",
                                               ScanFormat::Listed::WhenFound, is_microbrdf_hdf5,
                                               read_microbrdf_hdf5};
+
+/// What runs leave: known so that it is taken neither for a scan nor for a broken one.
+inline constexpr ScanFormat kMicrobrdfResult = {"microbrdf-result", "result of microbrdf (HDF5)",
+                                                ScanFormat::Listed::Never, is_microbrdf_result,
+                                                refuse_microbrdf_result};
 
 }  // namespace micro

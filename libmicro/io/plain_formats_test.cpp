@@ -203,7 +203,8 @@ TEST_F(PlainFormats, AResultIsNoScanAndACutHeightFileIsRefused) {
   write_origin(result, {.version = "1", .created = "now", .command = "test"});
   result.create_group("/ndf");
   result.finish();
-  EXPECT_EQ(recognise_scan(path), nullptr);
+  EXPECT_EQ(recognise_scan(path)->listed, ScanFormat::Listed::Never);
+  EXPECT_THROW(read_scan(path), FileError);
 
   Hdf5Writer cut(path);
   write_origin(cut, {.version = "1", .created = "now", .command = "test"});

@@ -18,8 +18,8 @@ namespace micro {
 namespace {
 
 /// A new format is a file beside these and a line here. Plain text has no signature, so it comes last.
-constexpr std::array kFormats = {kZygoDat, kZygoAsc,       kZygoXyz,  kDigitalSurf,
-                                 kNpy,     kMicrobrdfHdf5, kZygoDatx, kTextMatrix};
+constexpr std::array kFormats = {kZygoDat,       kZygoAsc,         kZygoXyz,  kDigitalSurf, kNpy,
+                                 kMicrobrdfHdf5, kMicrobrdfResult, kZygoDatx, kTextMatrix};
 
 /// Whatever the user says about the pitch may fill a gap in a file; it may not contradict one.
 void check_pitch_agrees(const std::filesystem::path& path, const HeightField& surface,

@@ -31,10 +31,8 @@ struct ReadOptions {
 struct ScanFormat {
   std::string_view name;         ///< short name in tables and results, e.g. "zygo-dat"
   std::string_view description;  ///< what a user calls it
-  enum class Listed {
-    WhenFound,
-    WhenNamed
-  } listed;  ///< taken from a directory, or only when its file is named
+  /// Taken from a directory, only when its file is named, or known as what is no scan.
+  enum class Listed { WhenFound, WhenNamed, Never } listed;
   bool (*recognise)(const FileHead& head);
   HeightField (*read)(const std::filesystem::path& path, const ReadOptions& options);
 };

@@ -14,7 +14,7 @@ namespace micro {
 
 std::string sha256_of_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw FileError(path, "cannot be opened");
+  if (!file) throw FileError(path, std::filesystem::exists(path) ? "cannot be opened" : "does not exist");
   const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
   [[maybe_unused]] const int started = EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr);
   assert(started == 1);

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "pipelines/scan_listing.h"
+
+namespace micro::tools {
+
+/// Throws InputError, with a sentence, if the listing of `paths` holds no scan.
+void require_scans(const ScanListing& listing, const std::vector<std::string>& paths);
+
+/// What was skipped: [{"source", "reason"}, …].
+nlohmann::json skipped_json(const ScanListing& listing);
+
+/// What was skipped, for people on stdout: the first few, and how many more. Nothing if nothing was.
+void print_skipped(const ScanListing& listing);
+
+}  // namespace micro::tools
