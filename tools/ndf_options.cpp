@@ -1,7 +1,6 @@
 #include "tools/ndf_options.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
@@ -51,6 +50,11 @@ Extent make_extent(const std::string& text) {
   throw CLI::ValidationError("--extent: '" + text + "' is neither 'auto' nor a number in (0, 1]");
 }
 
+/// Where --help lists the options that one method alone uses.
+std::string group_of(const std::string& method) {
+  return "Options of the " + method + " NDF";
+}
+
 }  // namespace
 
 void add_ndf_options(CLI::App& app, NdfOptions& options) {
@@ -62,7 +66,8 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
          },
          "Standard deviation of the filtered NDF's Gaussian window (default 1um); repeatable")
       ->type_name("LENGTH")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->group(group_of("filtered"));
   app.add_option("--size", options.size, "Nodes along a side of the disk table, odd")
       ->check(CLI::Range(3, 16385))
       ->capture_default_str();
@@ -87,7 +92,10 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
       "--signature", options.signature,
       "Also write every NDF convolved with the instrument's signature: the full width at half maximum of a "
       "Gaussian in half-vector angle, e.g. 1.5deg, or a file of rows `angle_deg response`");
+  const std::size_t before = app.get_options().size();
   add_kirchhoff_options(app, options.kirchhoff);
+  for (std::size_t k = before; k < app.get_options().size(); ++k)
+    app.get_options()[k]->group(group_of("kirchhoff"));
   add_pitch(app, options.pitch,
             "Distance between points, P or X,Y, for files that don't say it (.npy, plain text)");
   app.add_flag("--mixed", options.mixed, "Take scans of different pitch together");
@@ -135,19 +143,12 @@ NdfRequest make_request(const NdfOptions& options, const std::vector<std::string
 }
 
 void require_in_use(const CLI::App& app, const std::vector<std::string>& methods) {
-  struct Use {
-    const char* option;
-    const char* method;
-  };
-  constexpr std::array uses = {Use{"--sigma", "filtered"},   Use{"--lambda-q", "kirchhoff"},
-                               Use{"--lambda", "kirchhoff"}, Use{"--theta-d", "kirchhoff"},
-                               Use{"--tol", "kirchhoff"},    Use{"--coherence", "kirchhoff"}};
-  for (const auto& [name, method] : uses) {
-    const CLI::Option* option = app.get_option_no_throw(name);
-    if (!option || option->count() == 0) continue;
-    if (std::find(methods.begin(), methods.end(), method) == methods.end())
-      throw CLI::ValidationError(std::string(name) + " is for the " + method +
-                                 " NDF, which is not computed here");
+  for (const std::string method : {"naive", "filtered", "kirchhoff"}) {
+    if (std::find(methods.begin(), methods.end(), method) != methods.end()) continue;
+    for (const CLI::Option* option : app.get_options())
+      if (option->count() > 0 && option->get_group() == group_of(method))
+        throw CLI::ValidationError(option->get_name() + " is for the " + method +
+                                   " NDF, which is not computed here");
   }
 }
 
