@@ -1,0 +1,179 @@
+#include "fit/fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/error.h"
+#include "distribution/scatter.h"
+#include "fit/identify.h"
+
+namespace micro {
+namespace {
+
+constexpr std::size_t kCoreNodes = 2048;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Where a descent ended.
+struct Descent {
+  SlopeFrame frame;
+  NormalEquations equations;
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Levenberg–Marquardt [Marquardt63] in the frame's own coordinates; `equations_at` gives the sums for a
+/// frame. It has converged when a step would move nothing by more than `tolerance` widths, or when rounding
+/// alone keeps the cost from falling.
+template <typename EquationsAt>
+Descent descend(const SlopeFrame& start, double tolerance, int most, EquationsAt&& equations_at) {
+  constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12;
+  Descent descent{start, equations_at(start)};
+  double damping = 1e-3;
+  while (descent.iterations < most) {
+    const NormalEquations& now = descent.equations;
+    Matrix5 damped = now.gram;
+    const double least = 1e-14 * now.gram.diagonal().maxCoeff();
+    damped.diagonal() += (damping * now.gram.diagonal()).cwiseMax(least);
+    Vector5 step = damped.ldlt().solve(now.gradient);
+    if (!step.allFinite()) break;
+    step *= std::min(1., kLongestStep / std::max(step.cwiseAbs().maxCoeff(), kLongestStep));
+    ++descent.iterations;
+    const SlopeFrame next = moved(descent.frame, step);
+    NormalEquations there = equations_at(next);
+    const bool small = step.cwiseAbs().maxCoeff() <= tolerance;
+    if (there.cost <= now.cost) {
+      descent.frame = next;
+      descent.equations = there;
+      damping = std::max(damping / 10, kLeastDamping);
+    } else {
+      damping = std::min(damping * 8, kMostDamping);
+    }
+    if (small) {
+      descent.converged = true;
+      break;
+    }
+  }
+  return descent;
+}
+
+/// Another start: the peak's place, and the scatter's shape made as narrow as the peak is high.
+SlopeFrame peak_start(const TableNodes& core, const SlopeFrame& scatter) {
+  const auto peak = static_cast<std::size_t>(std::max_element(core.density.begin(), core.density.end()) -
+                                             core.density.begin());
+  const double x = core.x[peak], y = core.y[peak], z = std::sqrt(1 - x * x - y * y);
+  SlopeFrame frame = scatter;
+  frame.centre = {-x / z, -y / z};
+  const double determinant = std::numbers::inv_pi / (core.density[peak] * z * z * z * z);
+  const double shrink = std::sqrt(determinant / (scatter.l11 * scatter.l22));
+  frame.l11 *= shrink;
+  frame.l21 *= shrink;
+  frame.l22 *= shrink;
+  return frame;
+}
+
+/// The best descent on the core's nodes. The second start is for tables that the model fits badly: several
+/// lobes, a spike on a broad base.
+Descent descend_on_core(const DiskTable& table, FitModel model, Weighting weighting) {
+  constexpr double kTolerance = 1e-4, kGood = 0.1;  // the whole table takes it from there
+  constexpr int kMost = 60;
+  const TableNodes core = core_nodes(table, kCoreNodes);
+  const NodeSpan nodes = {core.x.data(), core.y.data(), core.density.data(),
+                          static_cast<std::int64_t>(core.size())};
+  const auto equations_at = [&](const SlopeFrame& frame) {
+    return normal_equations(nodes, frame, model, weighting);
+  };
+  const SlopeFrame scatter = slope_scatter(core, table.grid);
+  Descent best = descend(scatter, kTolerance, kMost, equations_at);
+  if (best.equations.cost <= kGood * kGood * best.equations.data) return best;
+  Descent other = descend(peak_start(core, scatter), kTolerance, kMost, equations_at);
+  other.iterations += best.iterations;
+  best.iterations = other.iterations;
+  return other.equations.cost < best.equations.cost ? other : best;
+}
+
+/// Full width at half maximum of the lobe's narrowest section, in nodes: the smallest singular value of
+/// ∂m_xy/∂slope·L at the centre.
+double nodes_across(const SlopeFrame& frame, FitModel model, const DiskGrid& grid) {
+  const double to_width =
+      2 * std::sqrt(model == FitModel::Ellipsoid ? std::numbers::sqrt2 - 1 : std::numbers::ln2);
+  const Vec2& t = frame.centre;
+  const double w = std::hypot(1., t.x(), t.y());
+  const Eigen::Matrix2d jacobian = (Eigen::Matrix2d::Identity() - t * t.transpose() / (w * w)) / w;
+  const Eigen::Matrix2d l = (Eigen::Matrix2d() << frame.l11, 0, frame.l21, frame.l22).finished();
+  const Eigen::Matrix2d map = jacobian * l;
+  // σ_min = |det|/σ_max, without the cancellation of a direct formula.
+  const double determinant = frame.l11 * frame.l22 / (w * w * w * w);
+  const double half = map.squaredNorm() / 2;
+  const double largest2 = half + std::sqrt(std::max(0., half * half - determinant * determinant));
+  return to_width * determinant / std::sqrt(largest2) / grid.spacing();
+}
+
+}  // namespace
+
+std::string_view name_of(FitStatus status) {
+  switch (status) {
+    case FitStatus::Converged:
+      return "converged";
+    case FitStatus::Unresolved:
+      return "unresolved";
+    case FitStatus::Undetermined:
+      return "undetermined";
+    case FitStatus::NotConverged:
+      return "not converged";
+    case FitStatus::Empty:
+      return "empty";
+  }
+  return "";
+}
+
+Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
+  constexpr double kTolerance = 1e-7, kResolved = 2;
+  constexpr int kMost = 40;
+  if (!table.density.isFinite().all()) throw InputError("the table holds a density that is not finite");
+  Fit result;
+  result.model = model;
+  result.covariance.setConstant(kNaN);
+  result.step_covariance.setConstant(kNaN);
+  if (!(table.density.maxCoeff() > 0)) {
+    result.parameters = {kNaN, kNaN, kNaN, kNaN, kNaN};
+    result.frame = {{kNaN, kNaN}, kNaN, kNaN, kNaN};
+    result.rel_rms = result.nodes_across = kNaN;
+    result.undetermined = "the table holds nothing";
+    return result;
+  }
+  const Descent start = descend_on_core(table, model, weighting);
+  TableEquations equations(table);
+  const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
+  const Descent end = descend(start.frame, kTolerance, kMost, equations_at);
+  result.frame = end.frame;
+  result.iterations = start.iterations + end.iterations;
+  result.nodes_across = nodes_across(end.frame, model, table.grid);
+  const NormalEquations linear =
+      weighting == Weighting::SolidAngle ? end.equations : equations(end.frame, model, Weighting::SolidAngle);
+  result.rel_rms = std::sqrt(linear.cost / linear.data);
+
+  const Identified identified = identify(end.equations.gram);
+  if (!identified.free.empty()) {
+    result.parameters = canonical_parameters(end.frame);
+    result.undetermined = identified.free;
+    result.status = FitStatus::Undetermined;
+    return result;
+  }
+  const auto n = static_cast<double>(end.equations.nodes);
+  result.step_covariance = n / std::max(1., n - 5) * identified.inverse *
+                           equations.residual_gram(end.frame, model, weighting, identified.inverse) *
+                           identified.inverse;
+  const Canonical canonical = canonical_with_covariance(end.frame, result.step_covariance);
+  result.parameters = canonical.parameters;
+  result.covariance = canonical.covariance;
+  result.undetermined = canonical.round ? "theta_z: the lobe is round" : "";
+  result.status = !end.converged                    ? FitStatus::NotConverged
+                  : result.nodes_across < kResolved ? FitStatus::Unresolved
+                                                    : FitStatus::Converged;
+  return result;
+}
+
+}  // namespace micro

@@ -1,0 +1,230 @@
+#include "fit/fit.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.h"
+#include "core/random.h"
+#include "distribution/beckmann.h"
+#include "distribution/ellipsoid.h"
+#include "distribution/tabulate.h"
+
+namespace micro {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// The step that leads from one frame to another.
+Vector5 step_between(const SlopeFrame& from, const SlopeFrame& to) {
+  const Vec2 t = from.whiten(to.centre);
+  return (Vector5() << t.x(), t.y(), std::log(to.l11 / from.l11),
+          (to.l21 - from.l21 * to.l11 / from.l11) / from.l22, std::log(to.l22 / from.l22))
+      .finished();
+}
+
+/// A random lobe and a grid that resolves it: the narrowest full width is 2…12 nodes, needles to 1:100, tilts
+/// to 80° from the mean normal.
+struct Case {
+  EllipsoidParameters parameters;
+  DiskGrid grid;
+};
+Case random_case(std::uint64_t k, int size) {
+  const auto [a, b] = random_uniform(21, 0, k);
+  const auto [c, d] = random_uniform(21, 1, k);
+  const auto [e, f] = random_uniform(21, 2, k);
+  const bool skewed = k % 2 == 1;
+  Case made;
+  made.grid = {size, 1};
+  const double tilt = skewed ? 1.4 * c : 0.05 * c;
+  // A tilted lobe reaches out to sin(tilt), or the tilt is small and the table zooms in.
+  const double extent = skewed ? 1 : std::pow(10, -3 * d) * 0.5;
+  made.grid.extent = extent;
+  const double spacing = made.grid.spacing();
+  const double foreshortened = skewed ? std::cos(tilt) : 1;
+  const double narrow = spacing * (2 + 10 * a) / foreshortened / 1.28;
+  const double ratio = std::pow(10, 2 * b);
+  made.parameters.alpha_y = narrow;
+  made.parameters.alpha_x = std::min({narrow * ratio, 2., 0.7 * extent + narrow});
+  const double turn = 2 * kPi * e;
+  made.parameters.theta_x = (skewed ? tilt : 0.3 * extent * c) * std::cos(turn);
+  made.parameters.theta_y = (skewed ? tilt : 0.3 * extent * c) * std::sin(turn);
+  made.parameters.theta_z = kPi * (f - 0.5);
+  return made;
+}
+
+constexpr double kRecovered = 1e-5;  // relative L2 of the table, and widths in slope space
+
+void expect_recovered(const Fit& found, const SlopeFrame& frame, std::uint64_t k) {
+  EXPECT_LE(found.rel_rms, kRecovered) << "case " << k << " " << name_of(found.status);
+  EXPECT_LE(step_between(frame, found.frame).cwiseAbs().maxCoeff(), kRecovered) << "case " << k;
+}
+
+TEST(Fit, RecoversRandomEllipsoids) {
+  constexpr int kSize = 97;
+  int converged = 0, unresolved = 0, most_iterations = 0;
+  for (std::uint64_t k = 0; k < 1000; ++k) {
+    const Case made = random_case(k, kSize);
+    const SlopeFrame frame = slope_frame(made.parameters);
+    const Fit found = fit(tabulate(Ellipsoid(frame), made.grid), FitModel::Ellipsoid);
+    most_iterations = std::max(most_iterations, found.iterations);
+    if (found.status == FitStatus::Unresolved) {
+      ++unresolved;
+      continue;
+    }
+    converged += found.status == FitStatus::Converged ? 1 : 0;
+    expect_recovered(found, frame, k);
+  }
+  EXPECT_EQ(converged + unresolved, 1000);
+  EXPECT_LE(unresolved, 100);
+  RecordProperty("iterations", most_iterations);
+}
+
+TEST(Fit, RecoversRandomBeckmanns) {
+  for (std::uint64_t k = 0; k < 200; ++k) {
+    const Case made = random_case(k, 97);
+    const SlopeFrame frame = slope_frame(made.parameters);
+    const Fit found = fit(tabulate(Beckmann(frame), made.grid), FitModel::Beckmann);
+    if (found.status == FitStatus::Unresolved) continue;
+    EXPECT_EQ(found.status, FitStatus::Converged) << k;
+    expect_recovered(found, frame, k);
+  }
+}
+
+TEST(Fit, RecoversByLogarithms) {
+  for (std::uint64_t k = 0; k < 60; ++k) {
+    const Case made = random_case(k, 97);
+    const SlopeFrame frame = slope_frame(made.parameters);
+    expect_recovered(fit(tabulate(Ellipsoid(frame), made.grid), FitModel::Ellipsoid, Weighting::Log), frame,
+                     k);
+    if (k % 2 == 0)  // a Gaussian's far tails are zero in a table: nothing to take the logarithm of
+      expect_recovered(fit(tabulate(Beckmann(frame), made.grid), FitModel::Beckmann, Weighting::Log), frame,
+                       k);
+  }
+}
+
+TEST(Fit, GivesCanonicalParameters) {
+  const EllipsoidParameters p = {0.3, 0.1, 0.12, -0.2, 0.7};
+  const Fit found = fit(tabulate(Ellipsoid(slope_frame(p)), {257, 1}), FitModel::Ellipsoid);
+  constexpr double kSame = 1e-8;
+  EXPECT_NEAR(found.parameters.alpha_x, p.alpha_x, kSame);
+  EXPECT_NEAR(found.parameters.alpha_y, p.alpha_y, kSame);
+  EXPECT_NEAR(found.parameters.theta_x, p.theta_x, kSame);
+  EXPECT_NEAR(found.parameters.theta_y, p.theta_y, kSame);
+  EXPECT_NEAR(found.parameters.theta_z, p.theta_z, kSame);
+  EXPECT_TRUE(found.undetermined.empty());
+}
+
+TEST(Fit, RoundLobesHaveNoThirdAngle) {
+  for (const EllipsoidParameters& p : {EllipsoidParameters{0.2, 0.2, 0, 0, 0}, {0.2, 0.2, 0.4, 0.1, 0}}) {
+    const Fit found = fit(tabulate(Ellipsoid(slope_frame(p)), {129, 1}), FitModel::Ellipsoid);
+    EXPECT_EQ(found.status, FitStatus::Converged);
+    EXPECT_EQ(found.parameters.theta_z, 0);
+    EXPECT_NE(found.undetermined.find("theta_z"), std::string::npos);
+    EXPECT_TRUE(std::isnan(found.covariance(4, 4)));
+    EXPECT_TRUE(std::isfinite(found.covariance(0, 0)));
+    EXPECT_NEAR(found.parameters.alpha_x, 0.2, 1e-6);
+    EXPECT_NEAR(found.parameters.theta_x, p.theta_x, 1e-6);
+  }
+}
+
+// Noise of known truth: dᵀC⁻¹d of the frame's error d is χ² with five degrees of freedom each. Additive noise
+// of one variance, and counts of a histogram with as many normals (variance as the mean), whose bins the
+// model fills by its values at the nodes.
+TEST(Fit, NoisyTablesAreRecoveredWithinTheirCovariance) {
+  constexpr int kTables = 60;
+  const SlopeFrame frame = slope_frame({0.2, 0.08, 0.1, -0.05, 0.6});
+  const DiskTable exact = tabulate(Ellipsoid(frame), {65, 0.8});
+  const double peak = exact.density.maxCoeff();
+  const auto expect_calibrated = [&](auto&& noise) {
+    double chi2 = 0, angles2 = 0;
+    const EllipsoidParameters p = {0.2, 0.08, 0.1, -0.05, 0.6};
+    for (std::uint64_t k = 0; k < kTables; ++k) {
+      DiskTable noisy = exact;
+      for (Eigen::Index i = 0; i < noisy.density.size(); ++i)
+        noisy.density.data()[i] =
+            noise(exact.density.data()[i],
+                  random_normal(31, static_cast<std::uint32_t>(k), static_cast<std::uint64_t>(i))[0]);
+      const Fit found = fit(noisy, FitModel::Ellipsoid);
+      ASSERT_EQ(found.status, FitStatus::Converged);
+      const Vector5 d = step_between(found.frame, frame);
+      chi2 += d.dot(found.step_covariance.inverse() * d);
+      const Vector5 e = (Vector5() << found.parameters.alpha_x - p.alpha_x,
+                         found.parameters.alpha_y - p.alpha_y, found.parameters.theta_x - p.theta_x,
+                         found.parameters.theta_y - p.theta_y, found.parameters.theta_z - p.theta_z)
+                            .finished();
+      angles2 += e.dot(found.covariance.inverse() * e);
+    }
+    const boost::math::chi_squared distribution(5 * kTables);
+    for (const double statistic : {chi2, angles2}) {
+      EXPECT_GT(cdf(distribution, statistic), 1e-4) << statistic / (5 * kTables);
+      EXPECT_GT(cdf(complement(distribution, statistic)), 1e-4) << statistic / (5 * kTables);
+    }
+  };
+  expect_calibrated([&](double d, double n) { return d + 0.01 * peak * n; });
+  expect_calibrated([&](double d, double n) { return std::max(0., d + 0.03 * std::sqrt(d * peak) * n); });
+}
+
+TEST(Fit, SaysWhenTheLobeIsNotResolved) {
+  const DiskGrid grid{101, 1};
+  const Fit narrow = fit(tabulate(ggx(0.4 * grid.spacing()), grid), FitModel::Ellipsoid);
+  EXPECT_EQ(narrow.status, FitStatus::Unresolved);
+  EXPECT_LT(narrow.nodes_across, 2);
+  DiskTable one = make_disk_table(grid);
+  one.density(50, 50) = 1 / (grid.spacing() * grid.spacing());
+  for (const FitModel model : {FitModel::Ellipsoid, FitModel::Beckmann}) {
+    const Fit found = fit(one, model);
+    EXPECT_TRUE(found.status == FitStatus::Unresolved || found.status == FitStatus::Undetermined ||
+                found.status == FitStatus::NotConverged)
+        << name_of(found.status);
+  }
+}
+
+// Mass along one row: the width across it and its shear are free.
+TEST(Fit, SaysWhatIsFree) {
+  DiskTable table = make_disk_table({101, 1});
+  for (Eigen::Index i = 20; i < 80; ++i)
+    table.density(50, i) = 1;
+  const Fit found = fit(table, FitModel::Ellipsoid);
+  EXPECT_NE(found.status, FitStatus::Converged);
+  const Fit empty = fit(make_disk_table({101, 1}), FitModel::Ellipsoid);
+  EXPECT_EQ(empty.status, FitStatus::Empty);
+  EXPECT_TRUE(std::isnan(empty.parameters.alpha_x));
+  EXPECT_FALSE(empty.undetermined.empty());
+}
+
+TEST(Fit, TheRightModelFitsBetter) {
+  const SlopeFrame frame = slope_frame({0.3, 0.1, 0.1, 0, 0.3});
+  const DiskTable ellipsoid = tabulate(Ellipsoid(frame), {129, 1}),
+                  beckmann = tabulate(Beckmann(frame), {129, 1});
+  const Fit wrong = fit(ellipsoid, FitModel::Beckmann), other = fit(beckmann, FitModel::Ellipsoid);
+  EXPECT_EQ(wrong.status, FitStatus::Converged);
+  EXPECT_EQ(other.status, FitStatus::Converged);
+  EXPECT_GT(wrong.rel_rms, 0.02);
+  EXPECT_GT(other.rel_rms, 0.02);
+  EXPECT_LT(wrong.rel_rms, 0.5);
+  EXPECT_LE(frame.whiten(wrong.frame.centre).norm(), 0.1);
+}
+
+TEST(Fit, TwoLobesEndInTheBetterOne) {
+  const SlopeFrame left = slope_frame({0.1, 0.1, 0.4, 0, 0}), right = slope_frame({0.05, 0.05, -0.4, 0, 0});
+  DiskTable table = tabulate(Ellipsoid(left), {129, 1});
+  table.density = 0.8 * table.density + 0.2 * tabulate(Ellipsoid(right), {129, 1}).density;
+  const Fit found = fit(table, FitModel::Ellipsoid);
+  EXPECT_EQ(found.status, FitStatus::Converged);
+  EXPECT_LE(left.whiten(found.frame.centre).norm(), 0.5);
+}
+
+TEST(Fit, RefusesWhatIsNotFinite) {
+  DiskTable table = tabulate(ggx(0.2), {33, 1});
+  table.density(3, 20) = NAN;
+  EXPECT_THROW(fit(table, FitModel::Ellipsoid), InputError);
+  table.density(3, 20) = INFINITY;
+  EXPECT_THROW(fit(table, FitModel::Ellipsoid), InputError);
+}
+
+}  // namespace
+}  // namespace micro
