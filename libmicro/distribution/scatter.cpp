@@ -33,9 +33,9 @@ Quartiles quartiles(const std::vector<double>& values, const std::vector<double>
 
 /// A step of the estimate: weights 2/(1 + |v|²) and 4/(1 + |v|²) are those of two degrees of freedom in
 /// units of the ellipsoid's scale.
-SlopeFrame step(const SlopeFrame& frame, const TableNodes& nodes, double floor) {
+SlopeFrame step(const SlopeFrame& frame, const TableNodes& nodes, std::size_t stride, double floor) {
   double mass = 0, sum_w = 0, a = 0, b = 0, aa = 0, ab = 0, bb = 0;
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
+  for (std::size_t k = 0; k < nodes.size(); k += stride) {
     const double d = nodes.density[k];
     if (!(d > 0)) continue;
     const double z = std::sqrt(1 - nodes.x[k] * nodes.x[k] - nodes.y[k] * nodes.y[k]);
@@ -104,7 +104,8 @@ TableNodes core_nodes(const DiskTable& table, std::size_t most) {
 }
 
 SlopeFrame slope_scatter(const TableNodes& core, const DiskGrid& grid) {
-  constexpr int kSteps = 12;
+  constexpr int kSteps = 8;
+  constexpr std::size_t kNodes = 512;  // a start needs no more
   const Quartiles x = quartiles(core.x, core.density, grid.extent),
                   y = quartiles(core.y, core.density, grid.extent);
   const double spacing = grid.spacing(), z2 = std::max(1 - x.median * x.median - y.median * y.median, 0.01);
@@ -112,8 +113,9 @@ SlopeFrame slope_scatter(const TableNodes& core, const DiskGrid& grid) {
   frame.centre = Vec2(-x.median, -y.median) / std::sqrt(z2);
   frame.l11 = std::max(x.half_range, spacing) / z2;
   frame.l22 = std::max(y.half_range, spacing) / z2;
+  const std::size_t stride = std::max<std::size_t>(1, core.size() / kNodes);
   for (int k = 0; k < kSteps && core.size() > 0; ++k)
-    frame = step(frame, core, spacing / 4);
+    frame = step(frame, core, stride, spacing / 4);
   return frame;
 }
 

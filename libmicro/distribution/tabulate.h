@@ -12,11 +12,17 @@ namespace micro {
 template <Distribution Model>
 DiskTable tabulate(const Model& model, const DiskGrid& grid) {
   DiskTable table = make_disk_table(grid);
-  parallel_for(grid.size, [&](std::int64_t j) {
-    for (Eigen::Index i = 0; i < grid.size; ++i)
-      if (const double mz2 = grid.mz2(j, i); mz2 > 0)
-        table.density(j, i) = model.D({grid.coordinate(i), grid.coordinate(j), std::sqrt(mz2)});
-  });
+  const auto fill = [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index j = begin; j < end; ++j)
+      for (Eigen::Index i = 0; i < grid.size; ++i)
+        if (const double mz2 = grid.mz2(j, i); mz2 > 0)
+          table.density(j, i) = model.D({grid.coordinate(i), grid.coordinate(j), std::sqrt(mz2)});
+  };
+  constexpr int kWorthThreads = 257;
+  if (grid.size < kWorthThreads)
+    fill(0, grid.size);
+  else
+    parallel_blocks(grid.size, 16, fill);
   return table;
 }
 

@@ -13,7 +13,9 @@
 namespace micro {
 namespace {
 
-constexpr std::size_t kCoreNodes = 2048;
+/// Nodes of the core: few where a pass over the whole table is cheap.
+constexpr std::size_t kFewNodes = 1024, kManyNodes = 16384;
+constexpr int kSmall = 257;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Where a descent ended.
@@ -25,35 +27,37 @@ struct Descent {
 };
 
 /// Levenberg–Marquardt [Marquardt63] in the frame's own coordinates; `equations_at` gives the sums for a
-/// frame. It has converged when a step would move nothing by more than `tolerance` widths, or when rounding
-/// alone keeps the cost from falling.
+/// frame. It has converged when the next step would move nothing by more than `tolerance` widths, or lower
+/// the cost by no more than 1e-9 of it; that step is taken unseen.
 template <typename EquationsAt>
-Descent descend(const SlopeFrame& start, double tolerance, int most, EquationsAt&& equations_at) {
-  constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12;
+Descent descend(const SlopeFrame& start, double damping, double tolerance, EquationsAt&& equations_at) {
+  constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12, kLeastGain = 1e-9;
+  constexpr int kMost = 60;
   Descent descent{start, equations_at(start)};
-  double damping = 1e-3;
-  while (descent.iterations < most) {
+  while (descent.iterations < kMost) {
     const NormalEquations& now = descent.equations;
     Matrix5 damped = now.gram;
     const double least = 1e-14 * now.gram.diagonal().maxCoeff();
     damped.diagonal() += (damping * now.gram.diagonal()).cwiseMax(least);
     Vector5 step = damped.ldlt().solve(now.gradient);
     if (!step.allFinite()) break;
-    step *= std::min(1., kLongestStep / std::max(step.cwiseAbs().maxCoeff(), kLongestStep));
-    ++descent.iterations;
+    const double length = step.cwiseAbs().maxCoeff();
+    step *= kLongestStep / std::max(length, kLongestStep);
     const SlopeFrame next = moved(descent.frame, step);
-    NormalEquations there = equations_at(next);
-    const bool small = step.cwiseAbs().maxCoeff() <= tolerance;
+    ++descent.iterations;
+    // Half of gradient·step is what the model of the cost would still gain.
+    if (length <= tolerance || now.gradient.dot(step) <= kLeastGain * now.cost) {
+      if (damping < 1) descent.frame = next;
+      descent.converged = true;
+      break;
+    }
+    const NormalEquations there = equations_at(next);
     if (there.cost <= now.cost) {
       descent.frame = next;
       descent.equations = there;
       damping = std::max(damping / 10, kLeastDamping);
     } else {
       damping = std::min(damping * 8, kMostDamping);
-    }
-    if (small) {
-      descent.converged = true;
-      break;
     }
   }
   return descent;
@@ -77,18 +81,17 @@ SlopeFrame peak_start(const TableNodes& core, const SlopeFrame& scatter) {
 /// The best descent on the core's nodes. The second start is for tables that the model fits badly: several
 /// lobes, a spike on a broad base.
 Descent descend_on_core(const DiskTable& table, FitModel model, Weighting weighting) {
-  constexpr double kTolerance = 1e-4, kGood = 0.1;  // the whole table takes it from there
-  constexpr int kMost = 60;
-  const TableNodes core = core_nodes(table, kCoreNodes);
+  constexpr double kDamping = 1e-3, kTolerance = 1e-3, kGood = 0.25;  // the whole table takes it from there
+  const TableNodes core = core_nodes(table, table.grid.size < kSmall ? kFewNodes : kManyNodes);
   const NodeSpan nodes = {core.x.data(), core.y.data(), core.density.data(),
                           static_cast<std::int64_t>(core.size())};
   const auto equations_at = [&](const SlopeFrame& frame) {
     return normal_equations(nodes, frame, model, weighting);
   };
   const SlopeFrame scatter = slope_scatter(core, table.grid);
-  Descent best = descend(scatter, kTolerance, kMost, equations_at);
+  Descent best = descend(scatter, kDamping, kTolerance, equations_at);
   if (best.equations.cost <= kGood * kGood * best.equations.data) return best;
-  Descent other = descend(peak_start(core, scatter), kTolerance, kMost, equations_at);
+  Descent other = descend(peak_start(core, scatter), kDamping, kTolerance, equations_at);
   other.iterations += best.iterations;
   best.iterations = other.iterations;
   return other.equations.cost < best.equations.cost ? other : best;
@@ -98,7 +101,7 @@ Descent descend_on_core(const DiskTable& table, FitModel model, Weighting weight
 /// ∂m_xy/∂slope·L at the centre.
 double nodes_across(const SlopeFrame& frame, FitModel model, const DiskGrid& grid) {
   const double to_width =
-      2 * std::sqrt(model == FitModel::Ellipsoid ? std::numbers::sqrt2 - 1 : std::numbers::ln2);
+      2 * std::sqrt(model == FitModel::EllipsoidNdf ? std::numbers::sqrt2 - 1 : std::numbers::ln2);
   const Vec2& t = frame.centre;
   const double w = std::hypot(1., t.x(), t.y());
   const Eigen::Matrix2d jacobian = (Eigen::Matrix2d::Identity() - t * t.transpose() / (w * w)) / w;
@@ -130,8 +133,7 @@ std::string_view name_of(FitStatus status) {
 }
 
 Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
-  constexpr double kTolerance = 1e-7, kResolved = 2;
-  constexpr int kMost = 40;
+  constexpr double kDamping = 1e-6, kTolerance = 1e-6, kResolved = 2;
   if (!table.density.isFinite().all()) throw InputError("the table holds a density that is not finite");
   Fit result;
   result.model = model;
@@ -147,7 +149,7 @@ Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
   const Descent start = descend_on_core(table, model, weighting);
   TableEquations equations(table);
   const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
-  const Descent end = descend(start.frame, kTolerance, kMost, equations_at);
+  const Descent end = descend(start.frame, kDamping, kTolerance, equations_at);
   result.frame = end.frame;
   result.iterations = start.iterations + end.iterations;
   result.nodes_across = nodes_across(end.frame, model, table.grid);

@@ -19,7 +19,7 @@ std::string_view name_of(FitStatus status);
 
 /// A distribution fitted to a table. Where the status is Empty the numbers are NaN.
 struct Fit {
-  FitModel model = FitModel::Ellipsoid;
+  FitModel model = FitModel::EllipsoidNdf;
   FitStatus status = FitStatus::Empty;
   SlopeFrame frame;  ///< location and scale in slope space
   EllipsoidParameters

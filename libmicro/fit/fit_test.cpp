@@ -69,7 +69,7 @@ TEST(Fit, RecoversRandomEllipsoids) {
   for (std::uint64_t k = 0; k < 1000; ++k) {
     const Case made = random_case(k, kSize);
     const SlopeFrame frame = slope_frame(made.parameters);
-    const Fit found = fit(tabulate(Ellipsoid(frame), made.grid), FitModel::Ellipsoid);
+    const Fit found = fit(tabulate(Ellipsoid(frame), made.grid), FitModel::EllipsoidNdf);
     most_iterations = std::max(most_iterations, found.iterations);
     if (found.status == FitStatus::Unresolved) {
       ++unresolved;
@@ -87,7 +87,7 @@ TEST(Fit, RecoversRandomBeckmanns) {
   for (std::uint64_t k = 0; k < 200; ++k) {
     const Case made = random_case(k, 97);
     const SlopeFrame frame = slope_frame(made.parameters);
-    const Fit found = fit(tabulate(Beckmann(frame), made.grid), FitModel::Beckmann);
+    const Fit found = fit(tabulate(Beckmann(frame), made.grid), FitModel::BeckmannNdf);
     if (found.status == FitStatus::Unresolved) continue;
     EXPECT_EQ(found.status, FitStatus::Converged) << k;
     expect_recovered(found, frame, k);
@@ -98,17 +98,17 @@ TEST(Fit, RecoversByLogarithms) {
   for (std::uint64_t k = 0; k < 60; ++k) {
     const Case made = random_case(k, 97);
     const SlopeFrame frame = slope_frame(made.parameters);
-    expect_recovered(fit(tabulate(Ellipsoid(frame), made.grid), FitModel::Ellipsoid, Weighting::Log), frame,
-                     k);
+    expect_recovered(fit(tabulate(Ellipsoid(frame), made.grid), FitModel::EllipsoidNdf, Weighting::Log),
+                     frame, k);
     if (k % 2 == 0)  // a Gaussian's far tails are zero in a table: nothing to take the logarithm of
-      expect_recovered(fit(tabulate(Beckmann(frame), made.grid), FitModel::Beckmann, Weighting::Log), frame,
-                       k);
+      expect_recovered(fit(tabulate(Beckmann(frame), made.grid), FitModel::BeckmannNdf, Weighting::Log),
+                       frame, k);
   }
 }
 
 TEST(Fit, GivesCanonicalParameters) {
   const EllipsoidParameters p = {0.3, 0.1, 0.12, -0.2, 0.7};
-  const Fit found = fit(tabulate(Ellipsoid(slope_frame(p)), {257, 1}), FitModel::Ellipsoid);
+  const Fit found = fit(tabulate(Ellipsoid(slope_frame(p)), {257, 1}), FitModel::EllipsoidNdf);
   constexpr double kSame = 1e-8;
   EXPECT_NEAR(found.parameters.alpha_x, p.alpha_x, kSame);
   EXPECT_NEAR(found.parameters.alpha_y, p.alpha_y, kSame);
@@ -120,7 +120,7 @@ TEST(Fit, GivesCanonicalParameters) {
 
 TEST(Fit, RoundLobesHaveNoThirdAngle) {
   for (const EllipsoidParameters& p : {EllipsoidParameters{0.2, 0.2, 0, 0, 0}, {0.2, 0.2, 0.4, 0.1, 0}}) {
-    const Fit found = fit(tabulate(Ellipsoid(slope_frame(p)), {129, 1}), FitModel::Ellipsoid);
+    const Fit found = fit(tabulate(Ellipsoid(slope_frame(p)), {129, 1}), FitModel::EllipsoidNdf);
     EXPECT_EQ(found.status, FitStatus::Converged);
     EXPECT_EQ(found.parameters.theta_z, 0);
     EXPECT_NE(found.undetermined.find("theta_z"), std::string::npos);
@@ -148,7 +148,7 @@ TEST(Fit, NoisyTablesAreRecoveredWithinTheirCovariance) {
         noisy.density.data()[i] =
             noise(exact.density.data()[i],
                   random_normal(31, static_cast<std::uint32_t>(k), static_cast<std::uint64_t>(i))[0]);
-      const Fit found = fit(noisy, FitModel::Ellipsoid);
+      const Fit found = fit(noisy, FitModel::EllipsoidNdf);
       ASSERT_EQ(found.status, FitStatus::Converged);
       const Vector5 d = step_between(found.frame, frame);
       chi2 += d.dot(found.step_covariance.inverse() * d);
@@ -170,12 +170,12 @@ TEST(Fit, NoisyTablesAreRecoveredWithinTheirCovariance) {
 
 TEST(Fit, SaysWhenTheLobeIsNotResolved) {
   const DiskGrid grid{101, 1};
-  const Fit narrow = fit(tabulate(ggx(0.4 * grid.spacing()), grid), FitModel::Ellipsoid);
+  const Fit narrow = fit(tabulate(ggx(0.4 * grid.spacing()), grid), FitModel::EllipsoidNdf);
   EXPECT_EQ(narrow.status, FitStatus::Unresolved);
   EXPECT_LT(narrow.nodes_across, 2);
   DiskTable one = make_disk_table(grid);
   one.density(50, 50) = 1 / (grid.spacing() * grid.spacing());
-  for (const FitModel model : {FitModel::Ellipsoid, FitModel::Beckmann}) {
+  for (const FitModel model : {FitModel::EllipsoidNdf, FitModel::BeckmannNdf}) {
     const Fit found = fit(one, model);
     EXPECT_TRUE(found.status == FitStatus::Unresolved || found.status == FitStatus::Undetermined ||
                 found.status == FitStatus::NotConverged)
@@ -188,9 +188,9 @@ TEST(Fit, SaysWhatIsFree) {
   DiskTable table = make_disk_table({101, 1});
   for (Eigen::Index i = 20; i < 80; ++i)
     table.density(50, i) = 1;
-  const Fit found = fit(table, FitModel::Ellipsoid);
+  const Fit found = fit(table, FitModel::EllipsoidNdf);
   EXPECT_NE(found.status, FitStatus::Converged);
-  const Fit empty = fit(make_disk_table({101, 1}), FitModel::Ellipsoid);
+  const Fit empty = fit(make_disk_table({101, 1}), FitModel::EllipsoidNdf);
   EXPECT_EQ(empty.status, FitStatus::Empty);
   EXPECT_TRUE(std::isnan(empty.parameters.alpha_x));
   EXPECT_FALSE(empty.undetermined.empty());
@@ -200,7 +200,7 @@ TEST(Fit, TheRightModelFitsBetter) {
   const SlopeFrame frame = slope_frame({0.3, 0.1, 0.1, 0, 0.3});
   const DiskTable ellipsoid = tabulate(Ellipsoid(frame), {129, 1}),
                   beckmann = tabulate(Beckmann(frame), {129, 1});
-  const Fit wrong = fit(ellipsoid, FitModel::Beckmann), other = fit(beckmann, FitModel::Ellipsoid);
+  const Fit wrong = fit(ellipsoid, FitModel::BeckmannNdf), other = fit(beckmann, FitModel::EllipsoidNdf);
   EXPECT_EQ(wrong.status, FitStatus::Converged);
   EXPECT_EQ(other.status, FitStatus::Converged);
   EXPECT_GT(wrong.rel_rms, 0.02);
@@ -213,7 +213,7 @@ TEST(Fit, TwoLobesEndInTheBetterOne) {
   const SlopeFrame left = slope_frame({0.1, 0.1, 0.4, 0, 0}), right = slope_frame({0.05, 0.05, -0.4, 0, 0});
   DiskTable table = tabulate(Ellipsoid(left), {129, 1});
   table.density = 0.8 * table.density + 0.2 * tabulate(Ellipsoid(right), {129, 1}).density;
-  const Fit found = fit(table, FitModel::Ellipsoid);
+  const Fit found = fit(table, FitModel::EllipsoidNdf);
   EXPECT_EQ(found.status, FitStatus::Converged);
   EXPECT_LE(left.whiten(found.frame.centre).norm(), 0.5);
 }
@@ -221,9 +221,9 @@ TEST(Fit, TwoLobesEndInTheBetterOne) {
 TEST(Fit, RefusesWhatIsNotFinite) {
   DiskTable table = tabulate(ggx(0.2), {33, 1});
   table.density(3, 20) = NAN;
-  EXPECT_THROW(fit(table, FitModel::Ellipsoid), InputError);
+  EXPECT_THROW(fit(table, FitModel::EllipsoidNdf), InputError);
   table.density(3, 20) = INFINITY;
-  EXPECT_THROW(fit(table, FitModel::Ellipsoid), InputError);
+  EXPECT_THROW(fit(table, FitModel::EllipsoidNdf), InputError);
 }
 
 }  // namespace

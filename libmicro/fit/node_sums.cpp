@@ -2,6 +2,7 @@
 #define HWY_TARGET_INCLUDE "fit/node_sums.cpp"
 #include "fit/node_sums.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -34,7 +35,7 @@ template <FitModel kModel, Weighting kWeighting>
 HWY_INLINE Value value_of(V vv, V z2) {
   const Tag d;
   constexpr bool kLog = kWeighting == Weighting::Log;
-  if constexpr (kModel == FitModel::Ellipsoid) {
+  if constexpr (kModel == FitModel::EllipsoidNdf) {
     const V q = hn::Add(z2, vv), inverse = hn::Div(hn::Set(d, 1.), q);
     const V density = kLog ? hn::Mul(hn::Set(d, -2.), hn::Log(d, q)) : hn::Mul(inverse, inverse);
     return {density, hn::Mul(hn::Set(d, 4.), inverse)};
@@ -50,6 +51,18 @@ HWY_INLINE Value value_of(V vv, V z2) {
 
 /// The smallest number that a table's float32 holds with all its digits.
 constexpr double kLeastDensity = 1.2e-38;
+
+/// The nodes of a row that may lie on the disk.
+struct Range {
+  std::int64_t begin, end;
+};
+inline Range on_disk_of(const NodeSpan& nodes, std::int64_t row) {
+  const double half = std::sqrt(std::max(0., 1 - nodes.y[row] * nodes.y[row])), first = nodes.x[0];
+  const double spacing = nodes.x[1] - first;
+  const auto begin = static_cast<std::int64_t>(std::max(0., (-half - first) / spacing)),
+             end = static_cast<std::int64_t>((half - first) / spacing) + 2;
+  return {begin, std::min(end, nodes.size)};
+}
 
 /// What the sums of gram's place take as weight: the plain one, or that of residual_gram.
 enum class Sum { Equations, Residuals };
@@ -69,9 +82,10 @@ NodeSums add_up(const NodeSumInput& in) {
   for (V& sum : sums)
     sum = zero;
   const bool scattered = in.nodes.layout == NodeSpan::Layout::Scattered;
-  for (std::int64_t row = 0; row < in.nodes.rows; ++row)
-    for (std::int64_t k = 0; k < in.nodes.size; k += lanes) {
-      const M inside = hn::FirstN(d, static_cast<std::size_t>(in.nodes.size - k));
+  for (std::int64_t row = 0; row < in.nodes.rows; ++row) {
+    const Range range = scattered ? Range{0, in.nodes.size} : on_disk_of(in.nodes, row);
+    for (std::int64_t k = range.begin; k < range.end; k += lanes) {
+      const M inside = hn::FirstN(d, static_cast<std::size_t>(range.end - k));
       const V x = hn::MaskedLoad(inside, d, in.nodes.x + k),
               y = scattered ? hn::MaskedLoad(inside, d, in.nodes.y + k) : hn::Set(d, in.nodes.y[row]),
               data = hn::MaskedLoad(inside, d, in.nodes.density + row * in.nodes.size + k);
@@ -122,6 +136,7 @@ NodeSums add_up(const NodeSumInput& in) {
         sums[22] = hn::Add(sums[22], hn::IfThenElseZero(counts, one));
       }
     }
+  }
   NodeSums result{};
   for (int s = 0; s < kSums; ++s)
     result[static_cast<std::size_t>(s)] = hn::GetLane(hn::SumOfLanes(d, sums[s]));
@@ -131,11 +146,11 @@ NodeSums add_up(const NodeSumInput& in) {
 template <Sum kSum>
 NodeSums dispatch(const NodeSumInput& in, FitModel model, Weighting weighting) {
   const bool log = weighting == Weighting::Log;
-  if (model == FitModel::Ellipsoid)
-    return log ? add_up<FitModel::Ellipsoid, Weighting::Log, kSum>(in)
-               : add_up<FitModel::Ellipsoid, Weighting::SolidAngle, kSum>(in);
-  return log ? add_up<FitModel::Beckmann, Weighting::Log, kSum>(in)
-             : add_up<FitModel::Beckmann, Weighting::SolidAngle, kSum>(in);
+  if (model == FitModel::EllipsoidNdf)
+    return log ? add_up<FitModel::EllipsoidNdf, Weighting::Log, kSum>(in)
+               : add_up<FitModel::EllipsoidNdf, Weighting::SolidAngle, kSum>(in);
+  return log ? add_up<FitModel::BeckmannNdf, Weighting::Log, kSum>(in)
+             : add_up<FitModel::BeckmannNdf, Weighting::SolidAngle, kSum>(in);
 }
 
 }  // namespace

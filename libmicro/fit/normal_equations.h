@@ -9,7 +9,7 @@
 namespace micro {
 
 /// What is fitted: the ellipsoid NDF or the Beckmann distribution, both with five parameters.
-enum class FitModel { Ellipsoid, Beckmann };
+enum class FitModel { EllipsoidNdf, BeckmannNdf };
 
 /// What is minimised over the nodes: Σ(D_k − D)²·dω, or Σ(ln D_k − ln D)²·dω over nodes with D_k > 0, which
 /// is for the tails.

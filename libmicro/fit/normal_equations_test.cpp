@@ -16,7 +16,7 @@ namespace {
 const SlopeFrame kFrame = slope_frame({0.4, 0.2, 0.3, -0.2, 0.5});
 
 double density(const SlopeFrame& frame, FitModel model, const Vec3& m) {
-  return model == FitModel::Ellipsoid ? Ellipsoid(frame).D(m) : Beckmann(frame).D(m);
+  return model == FitModel::EllipsoidNdf ? Ellipsoid(frame).D(m) : Beckmann(frame).D(m);
 }
 
 /// The sums as their definition says, derivatives by central differences.
@@ -61,9 +61,9 @@ TEST(NormalEquations, AreTheLiteralSums) {
   for (const DiskGrid& grid : {DiskGrid{31, 0.6}, DiskGrid{67, 0.9}, DiskGrid{131, 1}}) {
     const DiskTable table = uneven_table(grid);
     TableEquations equations(table);
-    for (const FitModel model : {FitModel::Ellipsoid, FitModel::Beckmann})
+    for (const FitModel model : {FitModel::EllipsoidNdf, FitModel::BeckmannNdf})
       for (const Weighting weighting : {Weighting::SolidAngle, Weighting::Log}) {
-        if (model == FitModel::Beckmann && weighting == Weighting::Log && grid.extent > 0.65)
+        if (model == FitModel::BeckmannNdf && weighting == Weighting::Log && grid.extent > 0.65)
           continue;  // near the horizon the literal density is 0
         const NormalEquations sums = equations(kFrame, model, weighting),
                               expected = literal(table, model, weighting);
@@ -87,9 +87,9 @@ TEST(NormalEquations, ScatteredNodesAreThoseOfTheTable) {
       d.push_back(table.density(j, i));
     }
   TableEquations equations(table);
-  const NormalEquations all = equations(kFrame, FitModel::Ellipsoid, Weighting::SolidAngle),
+  const NormalEquations all = equations(kFrame, FitModel::EllipsoidNdf, Weighting::SolidAngle),
                         scattered = normal_equations({x.data(), y.data(), d.data(), 31 * 31}, kFrame,
-                                                     FitModel::Ellipsoid, Weighting::SolidAngle);
+                                                     FitModel::EllipsoidNdf, Weighting::SolidAngle);
   EXPECT_NEAR(all.cost, scattered.cost, 1e-12 * all.cost);
   EXPECT_LE((all.gram - scattered.gram).norm(), 1e-12 * all.gram.norm());
 }
@@ -97,9 +97,9 @@ TEST(NormalEquations, ScatteredNodesAreThoseOfTheTable) {
 TEST(NormalEquations, DoNotDependOnTheThreads) {
   const DiskTable table = uneven_table({401, 1});
   TableEquations equations(table);
-  const NormalEquations many = equations(kFrame, FitModel::Beckmann, Weighting::SolidAngle);
+  const NormalEquations many = equations(kFrame, FitModel::BeckmannNdf, Weighting::SolidAngle);
   set_thread_count(1);
-  const NormalEquations one = equations(kFrame, FitModel::Beckmann, Weighting::SolidAngle);
+  const NormalEquations one = equations(kFrame, FitModel::BeckmannNdf, Weighting::SolidAngle);
   set_thread_count(0);
   EXPECT_EQ(many.cost, one.cost);
   EXPECT_EQ(many.gram, one.gram);
@@ -109,7 +109,7 @@ TEST(NormalEquations, DoNotDependOnTheThreads) {
 TEST(NormalEquations, ResidualGramIsTheLiteralSum) {
   const DiskTable table = uneven_table({31, 0.8});
   TableEquations equations(table);
-  const Matrix5 inverse = equations(kFrame, FitModel::Ellipsoid, Weighting::SolidAngle).gram.inverse();
+  const Matrix5 inverse = equations(kFrame, FitModel::EllipsoidNdf, Weighting::SolidAngle).gram.inverse();
   Matrix5 expected = Matrix5::Zero();
   const Ellipsoid model(kFrame);
   for (Eigen::Index j = 0; j < 31; ++j)
@@ -125,7 +125,8 @@ TEST(NormalEquations, ResidualGramIsTheLiteralSum) {
       const double w = 1 / m.z(), r = table.density(j, i) - model.D(m);
       expected += w * w * r * r / (1 - w * g.dot(inverse * g)) * g * g.transpose();
     }
-  const Matrix5 sums = equations.residual_gram(kFrame, FitModel::Ellipsoid, Weighting::SolidAngle, inverse);
+  const Matrix5 sums =
+      equations.residual_gram(kFrame, FitModel::EllipsoidNdf, Weighting::SolidAngle, inverse);
   EXPECT_LE((sums - expected).norm(), 1e-7 * expected.norm());
 }
 
