@@ -16,14 +16,21 @@ Vector5 as_vector(const EllipsoidParameters& p) {
 }
 
 /// "0.71 t_1 − 0.7 log L_11": the parts that matter.
-std::string in_words(const Vector5& direction) {
+std::string in_words(Vector5 direction) {
   constexpr std::array kNames = {"t_1", "t_2", "log L_11", "L_21", "log L_22"};
   constexpr double kMatters = 0.1;
+  for (int k = 0; k < 5; ++k)
+    if (std::abs(direction[k]) > kMatters) {
+      if (direction[k] < 0) direction = -direction;
+      break;
+    }
   std::ostringstream text;
   text << std::setprecision(2);
   for (int k = 0; k < 5; ++k)
     if (std::abs(direction[k]) > kMatters)
-      text << (text.tellp() == 0 ? (direction[k] < 0 ? "-" : "") : (direction[k] < 0 ? " - " : " + "))
+      text << (text.tellp() == 0  ? ""
+               : direction[k] < 0 ? " - "
+                                  : " + ")
            << std::abs(direction[k]) << " " << kNames[static_cast<std::size_t>(k)];
   return text.str();
 }
