@@ -162,7 +162,7 @@ void kirchhoff_curves(const NamedSurface& named, double most_seconds,
     point.estimator = "monte-carlo";
     point.asked = tolerance;
     const auto estimate =
-        monte_carlo_density(surface, judges.q(), {.tolerance = tolerance, .max_points = 2e11, .seed = 2});
+        monte_carlo_density(surface, judges.q(), {.tolerance = tolerance, .max_points = 2e10, .seed = 2});
     std::vector<double> density;
     bool all = true;
     for (const DirectionEstimate& direction : estimate.value) {
