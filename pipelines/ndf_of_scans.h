@@ -11,6 +11,7 @@
 #include "distribution/signature.h"
 #include "io/png.h"
 #include "pipelines/ndf_estimator.h"
+#include "pipelines/ndf_fits.h"
 #include "pipelines/plan.h"
 #include "pipelines/prepare_scan.h"
 #include "pipelines/scan_listing.h"
@@ -77,6 +78,7 @@ struct NdfOfScans {
 struct NdfResult {
   std::vector<ScanRecord> scans;  ///< in the order of the listing
   std::vector<NdfOfScans> ndfs;
+  std::optional<NdfFits> fits;  ///< of every NDF; ndf_of_scans leaves them out
   std::vector<Picture> thumbnails;
   Plan plan;
 };

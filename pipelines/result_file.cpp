@@ -117,6 +117,7 @@ void write_result(const std::filesystem::path& path, const NdfResult& result, co
   if (!result.ndfs.empty()) file.create_group("/ndf");
   for (const NdfOfScans& ndf : result.ndfs)
     write_ndf(file, ndf);
+  if (result.fits) write_fits(file, *result.fits);
   file.write_text("/plan", to_json(result.plan));
   file.finish();
 }

@@ -58,31 +58,62 @@ Picture thumbnail_of(const HeightField& surface) {
   return picture;
 }
 
-DiskPicture picture_of(const DiskTable& table) {
-  constexpr double kDecades = 4, kEnergy = 0.999;
-  constexpr Rgb kOffDisk = {255, 255, 255};
-  const auto c = static_cast<Eigen::Index>(table.grid.centre());
-  const auto half = std::min(
-      c, static_cast<Eigen::Index>(std::ceil(1.2 * extent_holding(table, kEnergy) / table.grid.spacing())));
-  const Eigen::Index first = c - half, nodes = 2 * half + 1;
-  // Fewer nodes than points are repeated, more are reduced to the largest of their block.
+namespace {
+
+constexpr Rgb kOffDisk = {255, 255, 255};
+
+/// A view of a table's values, coloured: fewer nodes than points are repeated, of more the value farthest
+/// from zero in each block is shown.
+template <typename Value, typename Colour>
+Picture draw(const DiskGrid& grid, const DiskView& view, Value&& value, Colour&& colour) {
+  const auto c = static_cast<Eigen::Index>(grid.centre());
+  const Eigen::Index first = c - view.half, nodes = 2 * view.half + 1;
   const Eigen::Index step = reduction(nodes, nodes), zoom = std::max<Eigen::Index>(1, kThumbnail / nodes);
   const Eigen::Index blocks = (nodes + step - 1) / step;
-  Grid<double> largest = Grid<double>::Constant(blocks, blocks, -1);  // −1: off the disk
+  Grid<double> farthest = Grid<double>::Zero(blocks, blocks);
+  Grid<bool> on_disk = Grid<bool>::Constant(blocks, blocks, false);
   for (Eigen::Index j = 0; j < nodes; ++j)
     for (Eigen::Index i = 0; i < nodes; ++i)
-      if (table.grid.mz2(first + j, first + i) > 0)
-        largest(j / step, i / step) =
-            std::max(largest(j / step, i / step), table.density(first + j, first + i));
-  const double peak = largest.maxCoeff();
+      if (grid.mz2(first + j, first + i) > 0) {
+        double& block = farthest(j / step, i / step);
+        const double here = value(first + j, first + i);
+        if (std::abs(here) > std::abs(block)) block = here;
+        on_disk(j / step, i / step) = true;
+      }
   Picture picture(blocks * zoom, blocks * zoom);
   for (Eigen::Index j = 0; j < picture.rows(); ++j)
-    for (Eigen::Index i = 0; i < picture.cols(); ++i) {
-      const double d = largest(j / zoom, i / zoom);
-      const double decades = d > 0 ? std::log10(d / peak) : -kDecades;
-      picture(j, i) = d < 0 ? kOffDisk : heat(1 + decades / kDecades);
-    }
-  return {std::move(picture), static_cast<double>(half) * table.grid.spacing()};
+    for (Eigen::Index i = 0; i < picture.cols(); ++i)
+      picture(j, i) = on_disk(j / zoom, i / zoom) ? colour(farthest(j / zoom, i / zoom)) : kOffDisk;
+  return picture;
+}
+
+}  // namespace
+
+DiskView view_of(const DiskTable& table) {
+  constexpr double kEnergy = 0.999, kMargin = 1.2;
+  const double spacing = table.grid.spacing();
+  const auto half =
+      std::clamp(static_cast<Eigen::Index>(std::ceil(kMargin * extent_holding(table, kEnergy) / spacing)),
+                 Eigen::Index{1}, static_cast<Eigen::Index>(table.grid.centre()));
+  return {half, static_cast<double>(half) * spacing, table.density.maxCoeff()};
+}
+
+Picture picture_of(const DiskTable& table, const DiskView& view) {
+  constexpr double kDecades = 4;
+  return draw(
+      table.grid, view, [&](Eigen::Index j, Eigen::Index i) { return table.density(j, i); },
+      [&](double d) { return heat(1 + (d > 0 ? std::log10(d / view.peak) : -kDecades) / kDecades); });
+}
+
+Picture difference_of(const DiskTable& a, const DiskTable& b, const DiskView& view) {
+  constexpr double kFull = 0.2;
+  return draw(
+      a.grid, view, [&](Eigen::Index j, Eigen::Index i) { return a.density(j, i) - b.density(j, i); },
+      [&](double d) -> Rgb {
+        const double part = std::clamp(d / (kFull * view.peak), -1., 1.);
+        const std::uint8_t faded = byte(1 - std::abs(part));
+        return part > 0 ? Rgb{255, faded, faded} : Rgb{faded, faded, 255};
+      });
 }
 
 }  // namespace micro

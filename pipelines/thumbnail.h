@@ -10,14 +10,21 @@ namespace micro {
 /// standard deviations, missing points yellow as in [Dong15 Fig. 3].
 Picture thumbnail_of(const HeightField& surface);
 
-/// A picture of a distribution and the half width in m_xy that it shows.
-struct DiskPicture {
-  Picture picture;
-  double extent;
+/// The part of a table that a picture shows: a square around the centre.
+struct DiskView {
+  Eigen::Index half;  ///< nodes on either side of the centre
+  double extent;      ///< the same as half width in m_xy
+  double peak;        ///< 1/sr, the lightest
 };
 
-/// log D over four decades below the peak, dark to light, around the part of the disk that holds the energy.
-DiskPicture picture_of(const DiskTable& table);
+/// The part of the disk that holds the energy.
+DiskView view_of(const DiskTable& table);
+
+/// log D over four decades below the peak, dark to light.
+Picture picture_of(const DiskTable& table, const DiskView& view);
+
+/// a − b, white where they agree, red where a is larger and blue where b is, full at 20 % of the peak.
+Picture difference_of(const DiskTable& a, const DiskTable& b, const DiskView& view);
 
 /// Side of the square that either picture fits into.
 constexpr Eigen::Index kThumbnail = 256;

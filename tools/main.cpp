@@ -35,6 +35,8 @@ constexpr std::array kCommands = {
     Command{"convert", "Write a scan in another format", micro::tools::add_convert},
     Command{"synth", "Make a synthetic surface", micro::tools::add_synth},
     Command{"ndf", "Normal distributions of scans, averaged, in one HDF5 file", micro::tools::add_ndf},
+    Command{"fit", "Ellipsoid and Beckmann fits of every normal distribution in a file",
+            micro::tools::add_fit},
     Command{"study", "The paper's experiments on your own scans", micro::tools::add_study},
 };
 

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "core/error.h"
+#include "pipelines/fit_figure.h"
 #include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
@@ -12,7 +13,7 @@
 namespace micro::tools {
 namespace {
 
-constexpr std::array kStages = {"naive", "filtered", "kirchhoff", "statistics", "pictures", "report"};
+constexpr std::array kStages = {"naive", "filtered", "kirchhoff", "fit", "statistics", "pictures", "report"};
 
 struct Options {
   CommonOptions common;
@@ -26,10 +27,18 @@ void remove_outputs(const std::filesystem::path& output) {
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(output, ignored)) {
     const std::string name = entry.path().filename().string();
-    if ((name.starts_with("ndf_") && name.ends_with(".exr")) || name == "contact_sheet.png" ||
+    if ((name.starts_with("ndf_") && name.ends_with(".exr")) ||
+        (name.starts_with("fit_") && name.ends_with(".png")) || name == "contact_sheet.png" ||
         name == "report.md" || name == "result.h5")
       std::filesystem::remove(entry.path(), ignored);
   }
+}
+
+std::vector<NdfTable> tables_of(const NdfResult& result) {
+  std::vector<NdfTable> tables;
+  for (const NdfOfScans& ndf : result.ndfs)
+    tables.push_back({ndf.method.name, ndf.density});
+  return tables;
 }
 
 int run(const Options& options, const CLI::App& app) {
@@ -54,16 +63,22 @@ int run(const Options& options, const CLI::App& app) {
   const OutputLock lock(output);
   NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
   for (const std::string& stage : options.without)
-    if (stage == "naive" || stage == "filtered" || stage == "kirchhoff" || stage == "pictures" ||
-        stage == "report")
-      result.plan.push_back({Stage::Outcome::LeftOut, stage, "--without"});
+    if (stage != "statistics") result.plan.push_back({Stage::Outcome::LeftOut, stage, "--without"});
   if (!result.ndfs.empty()) {
     remove_outputs(output);
+    const std::vector<NdfTable> tables = wants("fit") ? tables_of(result) : std::vector<NdfTable>();
+    if (wants("fit")) {
+      result.fits = fit_ndfs(tables, Weighting::SolidAngle);
+      result.plan.push_back(stage_of(*result.fits));
+    }
     if (wants("pictures")) {
+      for (const NdfTable& table : tables)
+        write_fit_figure(output / fit_figure_name(table.method), table, *result.fits);
       for (const NdfOfScans& ndf : result.ndfs)
         write_ndf_picture(output / ("ndf_" + ndf.method.name + ".exr"), ndf);
       write_contact_sheet(output / "contact_sheet.png", result);
-      result.plan.push_back({Stage::Outcome::Ran, "pictures", "EXR of each NDF, contact_sheet.png"});
+      result.plan.push_back(
+          {Stage::Outcome::Ran, "pictures", "EXR of each NDF, contact_sheet.png, a figure of each fit"});
     }
     if (wants("report")) {
       result.plan.push_back({Stage::Outcome::Ran, "report", "report.md"});
@@ -81,7 +96,7 @@ Run add_run(CLI::App& app) {
   app.add_option("DIR", options->directory, "Directory of scans, read recursively")->required();
   app.add_option("-o,--output", options->output, "Folder for result.h5, pictures and report.md")->required();
   app.add_option("--without", options->without,
-                 "Stages to leave out: naive, filtered, kirchhoff, statistics, pictures, report")
+                 "Stages to leave out: naive, filtered, kirchhoff, fit, statistics, pictures, report")
       ->delimiter(',')
       ->check(CLI::IsMember(std::vector<std::string>(kStages.begin(), kStages.end())));
   add_ndf_options(app, options->ndf);

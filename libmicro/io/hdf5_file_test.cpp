@@ -15,6 +15,48 @@
 namespace micro {
 namespace {
 
+TEST(Hdf5File, IsAmendedAsideAndRenamed) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "a.h5", other = folder.path() / "b.h5";
+  {
+    Hdf5Writer writer(path);
+    writer.set_attribute("/", "format", "microbrdf");
+    writer.set_attribute("/", "kept", 3);
+    writer.write_text("/plan", "old");
+    writer.create_group("/fit/old");
+    writer.finish();
+  }
+  const auto amend = [&](const std::filesystem::path& to) {
+    Hdf5Writer writer = Hdf5Writer::amend(path, to);
+    writer.remove("/plan");
+    writer.remove("/nothing");
+    writer.remove("/fit");
+    writer.write_text("/plan", "new");
+    writer.create_group("/fit/new");
+    writer.set_attribute("/fit/new", "matrix", Grid<double>::Constant(2, 3, 0.5));
+    EXPECT_EQ(Hdf5Reader(path).read_text("/plan"), "old") << "the old file stays until the new one is whole";
+    return writer;
+  };
+  { const Hdf5Writer dropped = amend(path); }
+  EXPECT_EQ(Hdf5Reader(path).read_text("/plan"), "old");
+  amend(other).finish();
+  EXPECT_EQ(Hdf5Reader(path).read_text("/plan"), "old");
+  amend(path).finish();
+  for (const auto& file : {path, other}) {
+    const Hdf5Reader reader(file);
+    reader.require_complete();
+    EXPECT_EQ(reader.read_text("/plan"), "new");
+    EXPECT_EQ(reader.integer_attribute("/", "kept"), 3);
+    EXPECT_EQ(reader.children("/fit"), std::vector<std::string>{"new"});
+    EXPECT_EQ(reader.numbers_attribute("/fit/new", "matrix").size(), 6u);
+  }
+  EXPECT_THROW(Hdf5Writer::amend(folder.path() / "missing.h5", path), FileError);
+  std::ofstream(other) << "no HDF5 at all";
+  EXPECT_THROW(Hdf5Writer::amend(other, other), FileError);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2)
+      << "nothing stays behind";
+}
+
 TEST(Hdf5File, GivesBackWhatWasWritten) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "a.h5";

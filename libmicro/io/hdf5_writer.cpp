@@ -1,6 +1,7 @@
 #include "io/hdf5_writer.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <functional>
 #include <numeric>
@@ -53,6 +54,33 @@ Hdf5Writer::Hdf5Writer(const std::filesystem::path& path) : file_(path) {
   require(id_ >= 0, "cannot be written");
 }
 
+Hdf5Writer::Hdf5Writer(AtomicFile file, std::int64_t id) : file_(std::move(file)), id_(id) {}
+
+Hdf5Writer Hdf5Writer::amend(const std::filesystem::path& source, const std::filesystem::path& path) {
+  AtomicFile file(path);
+  std::error_code error;
+  std::filesystem::copy_file(source, file.temporary(), std::filesystem::copy_options::overwrite_existing,
+                             error);
+  if (error) throw FileError(path, "cannot be written: " + error.message());
+  const auto open = [&] {
+    const Lock lock;
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+    return H5Fopen(file.temporary().c_str(), H5F_ACC_RDWR, access);
+  };
+  const hid_t id = open();
+  Hdf5Writer writer(std::move(file), id);
+  writer.unfinish();
+  return writer;
+}
+
+void Hdf5Writer::unfinish() {
+  const Lock lock;
+  require(id_ >= 0, "cannot be written");
+  if (H5Aexists(id_, "complete") > 0)
+    require(H5Adelete(id_, "complete") >= 0, "attribute complete of / cannot be written");
+}
+
 Hdf5Writer::Hdf5Writer(Hdf5Writer&& other) noexcept
     : file_(std::move(other.file_)), id_(std::exchange(other.id_, -1)) {}
 
@@ -74,6 +102,12 @@ void Hdf5Writer::create_group(const std::string& group) {
   const Handle made(H5Gcreate2(id_, group.c_str(), intermediate_groups(), H5P_DEFAULT, H5P_DEFAULT),
                     H5Gclose);
   require(static_cast<bool>(made), "group " + group + " cannot be written");
+}
+
+void Hdf5Writer::remove(const std::string& object) {
+  const Lock lock;
+  if (!hdf5::open_object(id_, object)) return;
+  require(H5Ldelete(id_, object.c_str(), H5P_DEFAULT) >= 0, object + " cannot be replaced");
 }
 
 template <typename T>
@@ -162,6 +196,14 @@ void Hdf5Writer::set_attribute(const std::string& object, const std::string& nam
   const Handle type = hdf5::string_type();
   const Handle space(H5Screate_simple(1, &extent, nullptr), H5Sclose);
   write_attribute(object, name, type, type, space, pointers.data());
+}
+
+void Hdf5Writer::set_attribute(const std::string& object, const std::string& name,
+                               const Grid<double>& values) {
+  const Lock lock;
+  const std::array extents = {static_cast<hsize_t>(values.rows()), static_cast<hsize_t>(values.cols())};
+  const Handle space(H5Screate_simple(2, extents.data(), nullptr), H5Sclose);
+  write_attribute(object, name, H5T_NATIVE_DOUBLE, H5T_NATIVE_DOUBLE, space, values.data());
 }
 
 void Hdf5Writer::make_scale(const std::string& dataset, const std::string& label) {

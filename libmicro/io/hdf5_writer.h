@@ -24,12 +24,18 @@ using Shape = std::vector<std::size_t>;
 class Hdf5Writer {
  public:
   explicit Hdf5Writer(const std::filesystem::path& path);
+  /// Writes `path` as a copy of `source`, which may be the same file, to be added to. Until finish() the old
+  /// file stays as it is.
+  static Hdf5Writer amend(const std::filesystem::path& source, const std::filesystem::path& path);
   ~Hdf5Writer();
   Hdf5Writer(Hdf5Writer&& other) noexcept;
   Hdf5Writer& operator=(Hdf5Writer&&) = delete;
 
   /// Makes a group and those above it; nothing happens if it is there.
   void create_group(const std::string& group);
+
+  /// Takes an object, and all below it, out of the file; nothing happens if it is not there.
+  void remove(const std::string& object);
 
   /// Writes a dataset of float, double, uint8, int32, uint32, int64 or uint64, row-major. `deflate` 0 stores
   /// it as it is, 1…9 in chunks of whole rows, shuffled and deflated.
@@ -49,6 +55,7 @@ class Hdf5Writer {
   void set_attribute(const std::string& object, const std::string& name, double value);
   void set_attribute(const std::string& object, const std::string& name, std::span<const double> values);
   void set_attribute(const std::string& object, const std::string& name, std::span<const std::string> values);
+  void set_attribute(const std::string& object, const std::string& name, const Grid<double>& values);
   template <std::integral T>
   void set_attribute(const std::string& object, const std::string& name, T value) {
     set_integer_attribute(object, name, static_cast<std::int64_t>(value));
@@ -66,6 +73,8 @@ class Hdf5Writer {
   void finish();
 
  private:
+  Hdf5Writer(AtomicFile file, std::int64_t id);
+  void unfinish();  // takes `complete` away
   void set_integer_attribute(const std::string& object, const std::string& name, std::int64_t value);
   void write_attribute(const std::string& object, const std::string& name, std::int64_t memory_type,
                        std::int64_t file_type, std::int64_t space, const void* values);

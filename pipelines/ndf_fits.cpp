@@ -1,0 +1,154 @@
+#include "pipelines/ndf_fits.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+
+#include "core/error.h"
+#include "core/estimate.h"
+#include "io/hdf5_reader.h"
+#include "pipelines/version.h"
+
+namespace micro {
+namespace {
+
+DiskTable read_table(const Hdf5Reader& file, const std::string& group) {
+  const Shape shape = file.shape(group + "/density");
+  if (shape.size() != 2 || shape[0] != shape[1])
+    throw InputError("its density is no square table of directions");
+  if (!file.has_attribute(group, "extent")) throw InputError("it has no attribute 'extent'");
+  constexpr std::size_t kLargest = 1 << 15;
+  if (shape[0] > kLargest) throw InputError("its density is larger than any table of directions");
+  DiskTable table = make_disk_table({static_cast<int>(shape[0]), file.number_attribute(group, "extent")});
+  table.density = file.read_grid<double>(group + "/density");
+  return table;
+}
+
+void write_fit(Hdf5Writer& file, const NdfFit& ndf_fit) {
+  const Fit& fit = ndf_fit.fit;
+  const std::string group = "/fit/" + ndf_fit.method + "/" + std::string(name_of(fit.model));
+  file.create_group(group);
+  const auto set = [&](const char* name, const auto& value) { file.set_attribute(group, name, value); };
+  const EllipsoidParameters& p = fit.parameters;
+  set("alpha_x", p.alpha_x);
+  set("alpha_y", p.alpha_y);
+  set("theta_x", p.theta_x);
+  set("theta_y", p.theta_y);
+  set("theta_z", p.theta_z);
+  set("covariance", Grid<double>(fit.covariance.array()));
+  const Eigen::Matrix2d scale = fit.frame.scale();
+  const std::vector<double> centre = {fit.frame.centre.x(), fit.frame.centre.y()};
+  set("slope_centre", std::span<const double>(centre));
+  set("slope_scale", Grid<double>(scale.array()));
+  set("rel_rms", fit.rel_rms);
+  set("status", name_of(fit.status));
+  set("iterations", fit.iterations);
+  set("nodes_across", fit.nodes_across);
+  set("undetermined", std::string_view(fit.undetermined));
+  set("weighting", std::string_view(ndf_fit.weighting == Weighting::Log ? "log" : "solid angle"));
+  set("seconds", ndf_fit.seconds);
+}
+
+/// The file's plan with the stage "fit" as it is now; nothing if there is no plan that can be read.
+std::optional<std::string> renewed_plan(const Hdf5Reader& file, const Stage& stage) {
+  if (!file.contains("/plan")) return std::nullopt;
+  const nlohmann::json plan = nlohmann::json::parse(file.read_text("/plan"), nullptr, false);
+  if (!plan.is_array()) return std::nullopt;
+  nlohmann::json renewed = nlohmann::json::array();
+  for (const nlohmann::json& known : plan)
+    if (!known.is_object() || known.value("stage", "") != stage.name) renewed.push_back(known);
+  renewed.push_back(nlohmann::json::parse(to_json({stage}))[0]);
+  return renewed.dump(1);
+}
+
+}  // namespace
+
+std::string_view name_of(FitModel model) {
+  return model == FitModel::EllipsoidNdf ? "ellipsoid" : "beckmann";
+}
+
+NdfTables read_ndf_tables(const std::filesystem::path& path) {
+  const Hdf5Reader file(path);
+  if (file.has_attribute("/", "format") && file.text_attribute("/", "format") == "microbrdf")
+    file.require_complete();
+  if (!file.contains("/ndf") || !file.is_group("/ndf"))
+    throw FileError(path, "holds no normal distribution (/ndf/<method>/density)");
+  NdfTables result;
+  for (const std::string& method : file.children("/ndf")) {
+    const std::string group = "/ndf/" + method;
+    if (!file.is_group(group) || !file.contains(group + "/density")) continue;
+    try {
+      result.tables.push_back({method, read_table(file, group)});
+    } catch (const FileError& error) {
+      result.left_out.push_back({method, error.fact()});
+    } catch (const InputError& error) {
+      result.left_out.push_back({method, error.what()});
+    }
+  }
+  if (result.tables.empty()) {
+    std::string reasons;
+    for (const NotFitted& table : result.left_out)
+      reasons += "; " + table.method + ": " + table.reason;
+    throw FileError(path,
+                    "holds no normal distribution (/ndf/<method>/density) that could be fitted" + reasons);
+  }
+  return result;
+}
+
+NdfFits fit_ndfs(const std::vector<NdfTable>& tables, Weighting weighting) {
+  NdfFits result;
+  for (const auto& [method, density] : tables)
+    for (const FitModel model : {FitModel::EllipsoidNdf, FitModel::BeckmannNdf})
+      try {
+        const Stopwatch stopwatch;
+        Fit fitted = fit(density, model, weighting);
+        result.fits.push_back({method, weighting, std::move(fitted), stopwatch.seconds()});
+      } catch (const InputError& error) {
+        result.left_out.push_back({method, error.what()});
+        break;  // the other model would say the same
+      }
+  return result;
+}
+
+void write_fits(Hdf5Writer& file, const NdfFits& fits) {
+  file.remove("/fit");
+  for (const NdfFit& fit : fits.fits)
+    write_fit(file, fit);
+}
+
+void add_fits(const std::filesystem::path& source, const std::filesystem::path& output, const NdfFits& fits,
+              const std::string& command) {
+  const std::optional<std::string> plan = renewed_plan(Hdf5Reader(source), stage_of(fits));
+  Hdf5Writer file = Hdf5Writer::amend(source, output);
+  write_fits(file, fits);
+  if (!fits.fits.empty()) {
+    file.set_attribute("/fit", "command", std::string_view(command));
+    file.set_attribute("/fit", "microbrdf_version", version());
+  }
+  if (plan) {
+    file.remove("/plan");
+    file.write_text("/plan", *plan);
+  }
+  file.finish();
+}
+
+Stage stage_of(const NdfFits& fits) {
+  std::size_t converged = 0;
+  for (const NdfFit& fit : fits.fits)
+    converged += fit.fit.status == FitStatus::Converged ? 1 : 0;
+  std::ostringstream text;
+  if (fits.fits.empty()) {
+    text << "no table could be fitted";
+  } else {
+    text << "ellipsoid and Beckmann, " << converged << " of " << fits.fits.size() << " converged";
+    for (const NdfFit& fit : fits.fits)
+      if (fit.fit.status != FitStatus::Converged)
+        text << "; " << fit.method << " " << name_of(fit.fit.model) << ": " << name_of(fit.fit.status);
+  }
+  for (const NotFitted& table : fits.left_out)
+    text << "; " << table.method << ": " << table.reason;
+  return {fits.fits.empty() ? Stage::Outcome::LeftOut : Stage::Outcome::Ran, "fit", text.str()};
+}
+
+}  // namespace micro

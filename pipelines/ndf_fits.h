@@ -1,0 +1,67 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "distribution/disk_table.h"
+#include "fit/fit.h"
+#include "io/hdf5_writer.h"
+#include "pipelines/plan.h"
+
+namespace micro {
+
+/// The table of one method, as it stands under /ndf/<method>.
+struct NdfTable {
+  std::string method;
+  DiskTable density;  ///< 1/sr
+};
+
+/// One model fitted to one method's table.
+struct NdfFit {
+  std::string method;
+  Weighting weighting = Weighting::SolidAngle;
+  Fit fit;
+  double seconds = 0;
+};
+
+/// What could not be fitted, and why.
+struct NotFitted {
+  std::string method, reason;
+};
+
+/// The fits of a file or a run.
+struct NdfFits {
+  std::vector<NdfFit> fits;  ///< for each method the ellipsoid, then Beckmann
+  std::vector<NotFitted> left_out;
+};
+
+/// "ellipsoid" or "beckmann".
+std::string_view name_of(FitModel model);
+
+/// Tables of a file, and what else stands under /ndf.
+struct NdfTables {
+  std::vector<NdfTable> tables;
+  std::vector<NotFitted> left_out;
+};
+
+/// Reads every /ndf/<method>/density with its `extent`, whoever wrote the file. Throws FileError if it is one
+/// of ours that was not finished, or holds no such table.
+NdfTables read_ndf_tables(const std::filesystem::path& path);
+
+/// Fits ellipsoid and Beckmann to each table [Dong15 §8, Fig. 12]. Tables that cannot be fitted are left out,
+/// with the reason.
+NdfFits fit_ndfs(const std::vector<NdfTable>& tables, Weighting weighting);
+
+/// What a plan says of them.
+Stage stage_of(const NdfFits& fits);
+
+/// Writes /fit/<method>/<model> in place of what stood under /fit.
+void write_fits(Hdf5Writer& file, const NdfFits& fits);
+
+/// Writes `output` as a copy of `source` with the fits in it, and what /plan says of the stage "fit" renewed;
+/// both may be the same file. `command` is what the user typed. Throws FileError.
+void add_fits(const std::filesystem::path& source, const std::filesystem::path& output, const NdfFits& fits,
+              const std::string& command);
+
+}  // namespace micro
