@@ -188,6 +188,24 @@ std::vector<DiskGrid> choose_grids(const ScanListing& listing, const NdfRequest&
   return grids;
 }
 
+/// The one grid of all wavelengths: what the shortest can tell of, and what holds the energy of both ends.
+DiskGrid spectrum_grid(const ScanListing& listing, const NdfRequest& request) {
+  std::vector<double> ends;
+  if (const auto* range = std::get_if<AsManyAsNeeded>(&request.spectrum->lambda_q)) {
+    ends = {range->shortest, range->longest};
+  } else {
+    const auto& lambda_q = std::get<std::vector<double>>(request.spectrum->lambda_q);
+    ends = {lambda_q.front(), lambda_q.back()};
+  }
+  NdfRequest brief = request;
+  brief.methods.clear();
+  for (const double lambda : ends)
+    brief.methods.push_back({"kirchhoff", Kirchhoff{lambda, request.spectrum->tolerance}});
+  const std::vector<DiskGrid> grids = choose_grids(listing, brief);
+  const bool energy = std::holds_alternative<HoldsEnergy>(request.extent);
+  return {request.size, energy ? std::max(grids[0].extent, grids[1].extent) : grids[0].extent};
+}
+
 /// Running sums of one method over all scans.
 struct Accumulator {
   NdfOfScans ndf;
@@ -349,8 +367,21 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
     result.plan.push_back(stage_of(ndf, accumulator.refusals));
     if (ndf.scans > 0) result.ndfs.push_back(std::move(ndf));
   }
+  if (request.spectrum) {
+    SpectrumOutcome outcome = kirchhoff_spectrum(
+        listing, request.prepare, spectrum_grid(listing, request), *request.spectrum,
+        [&](std::size_t k) { return !result.scans[k].failure; },
+        [&](std::size_t k) {
+          report({static_cast<std::int64_t>(k) + 1, total, listing.scans[k].source});
+        });
+    result.spectrum = std::move(outcome.spectrum);
+    for (const SpectrumRefusal& refusal : outcome.refusals)
+      if (request.unfit == NdfRequest::Unfit::Fail) result.scans[refusal.scan].failure = refusal.reason;
+    result.plan.insert(result.plan.end(), outcome.plan.begin(), outcome.plan.end());
+  }
   const bool errors = std::any_of(result.ndfs.begin(), result.ndfs.end(),
-                                  [](const NdfOfScans& ndf) { return ndf.standard_error.has_value(); });
+                                  [](const NdfOfScans& ndf) { return ndf.standard_error.has_value(); }) ||
+                      (result.spectrum && result.spectrum->mean.count() > 1);
   result.plan.push_back(
       stage_if(errors, "standard error", errors ? "over scans" : "needs two scans or more"));
 

@@ -10,6 +10,7 @@
 #include "distribution/disk_table.h"
 #include "distribution/signature.h"
 #include "io/png.h"
+#include "pipelines/kirchhoff_spectrum.h"
 #include "pipelines/ndf_estimator.h"
 #include "pipelines/ndf_fits.h"
 #include "pipelines/plan.h"
@@ -33,7 +34,8 @@ using Extent = std::variant<WholeDisk, HoldsEnergy, double>;
 /// Everything that decides the outcome of a run; what is absent is neither computed nor stored.
 struct NdfRequest {
   std::vector<NdfMethod> methods;
-  int size = 1025;  ///< nodes along a side of the disk table
+  std::optional<SpectrumRequest> spectrum;  ///< D_K at many wavelengths
+  int size = 1025;                          ///< nodes along a side of the disk table
   Extent extent = WholeDisk{};
   Preparation prepare;
   std::optional<NamedSignature> signature;
@@ -79,8 +81,12 @@ struct NdfResult {
   std::vector<ScanRecord> scans;  ///< in the order of the listing
   std::vector<NdfOfScans> ndfs;
   std::optional<NdfFits> fits;  ///< of every NDF; ndf_of_scans leaves them out
+  std::optional<SpectrumOfScans> spectrum;
   std::vector<Picture> thumbnails;
   Plan plan;
+
+  /// Whether there is any normal distribution in it.
+  bool empty() const { return ndfs.empty() && !spectrum; }
 };
 
 /// Told after each scan.

@@ -4,6 +4,7 @@
 
 #include "io/atomic_file.h"
 #include "pipelines/result_file.h"
+#include "pipelines/spectrum_file.h"
 #include "pipelines/version.h"
 
 namespace micro {
@@ -43,6 +44,15 @@ void add_ndfs(std::ostringstream& text, const NdfResult& result) {
     text << "| " << ndf.method.name << " | " << estimator_of(ndf.method) << " | " << ndf.scans << " | "
          << number(ndf.density.grid.extent) << " | " << number(normalization(ndf.density)) << " | "
          << number(ndf.rel_error) << " | " << number(ndf.seconds) << " |\n";
+  if (result.spectrum) {
+    const SpectrumOfScans& spectrum = *result.spectrum;
+    const SpectrumNumbers numbers = numbers_of(spectrum);
+    text << "| kirchhoff_spectrum (" << spectrum.lambda_q.size() << " wavelengths, "
+         << number(spectrum.lambda_q.front()) << " to " << number(spectrum.lambda_q.back())
+         << " µm) | spectral | " << spectrum.mean.count() << " | " << number(spectrum.mean.grid().extent)
+         << " | " << number(numbers.normalization) << " | " << number(numbers.rel_error) << " | "
+         << number(spectrum.seconds) << " |\n";
+  }
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "io/exr.h"
 #include "io/hdf5_writer.h"
+#include "pipelines/spectrum_file.h"
 #include "pipelines/version.h"
 
 namespace micro {
@@ -114,10 +115,11 @@ void write_result(const std::filesystem::path& path, const NdfResult& result, co
   file.create_group("/scans");
   for (std::size_t k = 0; k < result.scans.size(); ++k)
     write_scan(file, "/scans/" + numbered(k), result.scans[k]);
-  if (!result.ndfs.empty()) file.create_group("/ndf");
+  if (!result.empty()) file.create_group("/ndf");
   for (const NdfOfScans& ndf : result.ndfs)
     write_ndf(file, ndf);
   if (result.fits) write_fits(file, *result.fits);
+  if (result.spectrum) write_spectrum(file, *result.spectrum);
   file.write_text("/plan", to_json(result.plan));
   file.finish();
 }

@@ -26,7 +26,7 @@ int run(const Options& options, const CLI::App& app) {
   require_scans(listing, options.scans);
   const OutputLock lock = OutputLock::of_file(options.output);
   const NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
-  if (!result.ndfs.empty()) write_result(options.output, result, command_line_of(app));
+  if (!result.empty()) write_result(options.output, result, command_line_of(app));
   return conclude(result, listing, options.common, options.output);
 }
 

@@ -124,7 +124,10 @@ NdfRequest request_of(const NdfOptions& options, const std::vector<std::string>&
   };
   for (const std::string& method : methods) {
     if (method == "naive") add({"naive", Naive{}});
-    if (method == "kirchhoff") add({"kirchhoff", make_kirchhoff(options.kirchhoff)});
+    if (method == "kirchhoff" && wants_spectrum(options.kirchhoff))
+      request.spectrum = make_spectrum(options.kirchhoff);
+    else if (method == "kirchhoff")
+      add({"kirchhoff", make_kirchhoff(options.kirchhoff)});
     if (method == "filtered")
       for (const double sigma : sigmas)
         add({sigma == sigmas.front() ? "filtered" : filtered_name(sigma), Filtered{sigma}});
@@ -196,20 +199,22 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
                          {"scans", ndf.scans},
                          {"samples", ndf.samples},
                          {"without_normal", ndf.without_normal}});
+    if (result.spectrum) methods.push_back(spectrum_summary(*result.spectrum));
     const nlohmann::json summary = {
         {"output", output.string()}, {"scans", done},
         {"failed", failed},          {"skipped", skipped_json(listing)},
         {"methods", methods},        {"plan", nlohmann::json::parse(to_json(result.plan))}};
     print_json(summary);
   } else {
+    if (result.spectrum) print_spectrum(*result.spectrum);
     for (const NdfOfScans& ndf : result.ndfs)
       std::printf("%s: normalization %.6g over sin(theta) <= %.4g, %.3g s\n", ndf.method.name.c_str(),
                   normalization(ndf.density), ndf.density.grid.extent, ndf.seconds);
     if (done > 0) std::printf("%s", to_text(result.plan).c_str());
     print_skipped(listing);
-    if (!result.ndfs.empty()) std::printf("%s\n", output.c_str());
+    if (!result.empty()) std::printf("%s\n", output.c_str());
   }
-  if (result.ndfs.empty()) {
+  if (result.empty()) {
     std::fprintf(stderr, "microbrdf: no scan gave a normal distribution\n");
     return kNothing;
   }

@@ -64,7 +64,7 @@ int run(const Options& options, const CLI::App& app) {
   NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
   for (const std::string& stage : options.without)
     if (stage != "statistics") result.plan.push_back({Stage::Outcome::LeftOut, stage, "--without"});
-  if (!result.ndfs.empty()) {
+  if (!result.empty()) {
     remove_outputs(output);
     const std::vector<NdfTable> tables = wants("fit") ? tables_of(result) : std::vector<NdfTable>();
     if (wants("fit")) {

@@ -132,6 +132,35 @@ template void Hdf5Writer::write(const std::string&, std::span<const std::uint32_
 template void Hdf5Writer::write(const std::string&, std::span<const std::int64_t>, const Shape&, int);
 template void Hdf5Writer::write(const std::string&, std::span<const std::uint64_t>, const Shape&, int);
 
+void Hdf5Writer::write_slices(const std::string& dataset, const Shape& shape, int deflate,
+                              const std::function<Grid<float>(std::size_t)>& slice) {
+  assert(shape.size() == 3);
+  const std::vector<hsize_t> extents(shape.begin(), shape.end());
+  const hsize_t rows = std::clamp<hsize_t>(kChunkValues / std::max<hsize_t>(extents[2], 1), 1, extents[1]);
+  const hsize_t chunk[3] = {1, rows, extents[2]}, count[3] = {1, extents[1], extents[2]};
+  const Lock lock;
+  const Handle space(H5Screate_simple(3, extents.data(), nullptr), H5Sclose);
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(list, 3, chunk);
+  if (deflate > 0) {
+    H5Pset_shuffle(list);
+    H5Pset_deflate(list, static_cast<unsigned>(deflate));
+  }
+  const Handle data(H5Dcreate2(id_, dataset.c_str(), hdf5::native_type<float>(), space, intermediate_groups(),
+                               list, H5P_DEFAULT),
+                    H5Dclose);
+  const Handle memory(H5Screate_simple(3, count, nullptr), H5Sclose);
+  for (std::size_t k = 0; k < shape[0]; ++k) {
+    const Grid<float> values = slice(k);
+    assert(static_cast<hsize_t>(values.rows()) == extents[1] &&
+           static_cast<hsize_t>(values.cols()) == extents[2]);
+    const hsize_t start[3] = {k, 0, 0};
+    require(data && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr) >= 0 &&
+                H5Dwrite(data, hdf5::native_type<float>(), memory, space, H5P_DEFAULT, values.data()) >= 0,
+            "dataset " + dataset + " cannot be written");
+  }
+}
+
 void Hdf5Writer::write_text(const std::string& dataset, std::string_view text) {
   const std::string terminated(text);
   const char* pointer = terminated.c_str();

@@ -3,6 +3,7 @@
 #include <concepts>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -46,6 +47,11 @@ class Hdf5Writer {
     write(dataset, std::span<const T>(values.data(), static_cast<std::size_t>(values.size())),
           {static_cast<std::size_t>(values.rows()), static_cast<std::size_t>(values.cols())}, deflate);
   }
+
+  /// Writes a dataset of float, [slices, rows, cols], slice by slice: slice(k) gives rows × cols values.
+  /// Chunks hold rows of one slice.
+  void write_slices(const std::string& dataset, const Shape& shape, int deflate,
+                    const std::function<Grid<float>(std::size_t)>& slice);
 
   /// Writes one UTF-8 string as a scalar dataset.
   void write_text(const std::string& dataset, std::string_view text);

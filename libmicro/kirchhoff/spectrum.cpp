@@ -58,6 +58,7 @@ SpectrumSolver::SpectrumSolver(const DiskGrid& grid, std::vector<double> lambda_
 }
 
 SpectrumSolver::~SpectrumSolver() = default;
+SpectrumSolver::SpectrumSolver(SpectrumSolver&&) noexcept = default;
 
 KirchhoffSpectrum SpectrumSolver::operator()(const HeightField& surface, std::uint64_t seed) {
   const Stopwatch watch;

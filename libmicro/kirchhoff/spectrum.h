@@ -43,6 +43,7 @@ class SpectrumSolver {
   SpectrumSolver(const DiskGrid& grid, std::vector<double> lambda_q, double tol,
                  std::int64_t most_bytes = std::int64_t{1} << 30);
   ~SpectrumSolver();
+  SpectrumSolver(SpectrumSolver&&) noexcept;
 
   /// Computes the tables and measures the error of each on a few nodes drawn with `seed`, on more where those
   /// look bad; those wavelengths that miss the tolerance are computed again more finely. Throws InputError
