@@ -402,6 +402,9 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
   }
   result.plan.push_back(stage_if(request.signature.has_value(), "instrument signature",
                                  request.signature ? request.signature->name : "not asked for"));
+  if (request.signature && result.spectrum)
+    result.plan.push_back(
+        left_out("instrument signature of the spectrum", "only tables of one wavelength are blurred"));
   return result;
 }
 

@@ -1,7 +1,9 @@
 #include "tools/spectrum_options.h"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "pipelines/spectrum_file.h"
 #include "tools/units.h"
@@ -14,6 +16,13 @@ constexpr int kMostWavelengths = 1000;
 
 [[noreturn]] void refuse(const std::string& text, const std::string& why) {
   throw CLI::ValidationError("--lambda-q: '" + text + "' " + why);
+}
+
+/// To twelve digits, so that 0.4 + 2·0.1 is 0.6.
+double rounded(double length) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.12g", length);
+  return std::strtod(text.data(), nullptr);
 }
 
 std::vector<double> parse_range(const std::string& text, std::size_t dots) {
@@ -31,7 +40,7 @@ std::vector<double> parse_range(const std::string& text, std::size_t dots) {
     refuse(text, "has more than " + std::to_string(kMostWavelengths) + " wavelengths");
   std::vector<double> lambda_q;
   for (int k = 0; k <= static_cast<int>(steps); ++k)
-    lambda_q.push_back(first + k * step);
+    lambda_q.push_back(rounded(first + k * step));
   // Steps of 1e-17 µm would not move.
   for (std::size_t k = 1; k < lambda_q.size(); ++k)
     if (!(lambda_q[k] > lambda_q[k - 1])) refuse(text, "needs a larger step");
@@ -78,8 +87,9 @@ nlohmann::json spectrum_summary(const SpectrumOfScans& spectrum) {
 
 void print_spectrum(const SpectrumOfScans& spectrum) {
   const SpectrumNumbers numbers = numbers_of(spectrum);
-  std::printf("kirchhoff_spectrum: %zu wavelengths, normalization %.6g over sin(theta) <= %.4g, %.3g s\n",
-              spectrum.lambda_q.size(), numbers.normalization, spectrum.mean.grid().extent, spectrum.seconds);
+  std::printf("kirchhoff_spectrum: %zu wavelength%s, normalization %.6g over sin(theta) <= %.4g, %.3g s\n",
+              spectrum.lambda_q.size(), spectrum.lambda_q.size() == 1 ? "" : "s", numbers.normalization,
+              spectrum.mean.grid().extent, spectrum.seconds);
 }
 
 }  // namespace micro::tools

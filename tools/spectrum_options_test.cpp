@@ -10,7 +10,7 @@ TEST(LambdaQ, ReadsRanges) {
   const std::vector<double> visible = range("0.38..0.78/0.01");
   ASSERT_EQ(visible.size(), 41u);
   EXPECT_DOUBLE_EQ(visible.front(), 0.38);
-  EXPECT_NEAR(visible.back(), 0.78, 1e-12);
+  EXPECT_DOUBLE_EQ(visible.back(), 0.78);
   EXPECT_EQ(range("380nm..780nm/10nm").size(), 41u);
   EXPECT_EQ(range("0.4..0.45/0.02").size(), 3u);  // the end is between steps
   EXPECT_EQ(range("0.4..0.4/1nm").size(), 1u);
