@@ -167,8 +167,10 @@ Survey survey(const ScanListing& listing, const Preparation& preparation, const 
     std::vector<double> missing;
     for (const double lambda : lambda_q)
       if (!known.contains(lambda)) missing.push_back(lambda);
-    std::vector<WavelengthGroup> groups = make_groups(coarse, request, missing);
+    std::vector<WavelengthGroup> groups;
+    if (!missing.empty()) groups = make_groups(coarse, request, missing);
     for (const HeightField& surface : surfaces) {
+      if (missing.empty()) break;
       ScanSpectrum scan = spectrum_of(surface, groups, missing.size());
       for (std::size_t k = 0; k < missing.size(); ++k) {
         ScanSpectrum one = scan;

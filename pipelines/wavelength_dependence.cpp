@@ -9,8 +9,14 @@
 namespace micro {
 namespace {
 
-constexpr double kMostCells = 100;
-constexpr double kSpecklesWide = 3;
+/// Wide enough to hold many speckles, and nodes of a coarse table, which samples speckle rather than resolves
+/// it.
+double cell_width(const DiskGrid& grid, double longer_speckle) {
+  constexpr double kMostCells = 100, kSpecklesWide = 3, kNodesWide = 6;
+  const double width = 2 * grid.extent;
+  return std::min(
+      width, std::max({width / kMostCells, kSpecklesWide * longer_speckle, kNodesWide * grid.spacing()}));
+}
 
 }  // namespace
 
@@ -18,8 +24,7 @@ WavelengthDependence::WavelengthDependence(const DiskGrid& grid, std::vector<dou
                                            double longer_speckle)
     : grid_(grid),
       lambda_q_(std::move(lambda_q)),
-      cell_(
-          std::min(2 * grid.extent, std::max(2 * grid.extent / kMostCells, kSpecklesWide * longer_speckle))),
+      cell_(cell_width(grid, longer_speckle)),
       cells_(static_cast<int>(std::ceil(2 * grid.extent / cell_ * (1 - 1e-12)))) {
   for (int i = 0; i < grid.size; ++i)
     cell_of_.push_back(

@@ -17,7 +17,7 @@ namespace micro {
 class WavelengthDependence {
  public:
   /// `longer_speckle`: λ_q/(2L), L the patch's shorter side, at the longest wavelength: cells are three times
-  /// as wide, and at least a hundredth of the table.
+  /// as wide, at least six nodes, and at least a hundredth of the table.
   WavelengthDependence(const DiskGrid& grid, std::vector<double> lambda_q, double longer_speckle);
 
   /// One scan's tables, with its weight A_perp (µm²).
