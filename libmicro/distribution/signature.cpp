@@ -7,49 +7,11 @@
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "distribution/ring_convolution.h"
+#include "distribution/signature_kernel.h"
 
 namespace micro {
 namespace {
-
-/// response as a function of c = 1 − cos(angle), tabulated evenly in √c: one square root and a linear
-/// interpolation for each pair of directions instead of an arc cosine.
-class Response {
- public:
-  explicit Response(const Signature& signature) {
-    const double reach = signature.angle.back();
-    reach_ = 1 - std::cos(reach);
-    const double last = std::sqrt(reach_);
-    scale_ = (kSamples - 1) / last;
-    for (std::size_t k = 0; k < kSamples; ++k) {
-      const double root = std::min(last, static_cast<double>(k) / scale_);
-      table_.push_back(at(signature, std::min(reach, 2 * std::asin(root / std::numbers::sqrt2))));
-    }
-    table_.push_back(0);
-  }
-
-  /// Beyond this c there is no response.
-  double reach() const { return reach_; }
-
-  double operator()(double c) const {
-    const double x = std::sqrt(std::max(0., c)) * scale_;
-    const auto k = static_cast<std::size_t>(x);
-    return table_[k] + (x - static_cast<double>(k)) * (table_[k + 1] - table_[k]);
-  }
-
- private:
-  static constexpr std::size_t kSamples = 4096;
-
-  static double at(const Signature& signature, double angle) {
-    const auto next = std::upper_bound(signature.angle.begin(), signature.angle.end(), angle);
-    if (next == signature.angle.end()) return signature.response.back();
-    const auto k = static_cast<std::size_t>(next - signature.angle.begin());
-    const double t = (angle - signature.angle[k - 1]) / (signature.angle[k] - signature.angle[k - 1]);
-    return signature.response[k - 1] + t * (signature.response[k] - signature.response[k - 1]);
-  }
-
-  double reach_, scale_;
-  std::vector<double> table_;
-};
 
 /// m_z at the nodes; zero off the disk.
 Grid<double> heights_of_hemisphere(const DiskGrid& grid) {
@@ -81,7 +43,8 @@ std::vector<Span> spans(const Grid<double>& values) {
 /// Σ response(∠)·weight over the nodes that are in reach of a node's direction and within the weights' spans.
 class Gather {
  public:
-  Gather(const DiskGrid& grid, const Grid<double>& mz, const Response& response, const Grid<double>& weights)
+  Gather(const DiskGrid& grid, const Grid<double>& mz, const SignatureKernel& response,
+         const Grid<double>& weights)
       : grid_(grid),
         mz_(mz),
         response_(response),
@@ -110,7 +73,7 @@ class Gather {
  private:
   const DiskGrid& grid_;
   const Grid<double>& mz_;
-  const Response& response_;
+  const SignatureKernel& response_;
   const Grid<double>& weights_;
   std::vector<Span> spans_;
   Eigen::Index reach_;
@@ -118,7 +81,7 @@ class Gather {
 
 /// Σ response over the nodes of the whole hemisphere, those beyond the table too, in reach of node (row,
 /// col).
-double taken_by_hemisphere(const DiskGrid& grid, const Response& response, Eigen::Index row,
+double taken_by_hemisphere(const DiskGrid& grid, const SignatureKernel& response, Eigen::Index row,
                            Eigen::Index col) {
   const auto reach = static_cast<Eigen::Index>(std::ceil(std::sqrt(2 * response.reach()) / grid.spacing()));
   const double x = grid.coordinate(col), y = grid.coordinate(row), z = std::sqrt(grid.mz2(row, col));
@@ -138,7 +101,7 @@ double taken_by_hemisphere(const DiskGrid& grid, const Response& response, Eigen
 
 /// What the hemisphere takes of each node's mass. The disk's eight symmetries leave it unchanged, so one
 /// octant is computed, and of that the nodes that hold something.
-Grid<double> taken(const DiskTable& table, const Grid<double>& mz, const Response& response) {
+Grid<double> taken(const DiskTable& table, const Grid<double>& mz, const SignatureKernel& response) {
   const DiskGrid& grid = table.grid;
   const Eigen::Index c = (grid.size - 1) / 2;
   Grid<double> octant = Grid<double>::Zero(c + 1, c + 1);
@@ -163,6 +126,21 @@ Grid<double> taken(const DiskTable& table, const Grid<double>& mz, const Respons
       sums(j, i) = octant(a, b);
     }
   return sums;
+}
+
+/// The literal sum over pairs of nodes.
+DiskTable convolve_on_nodes(const DiskTable& table, const SignatureKernel& kernel) {
+  const DiskGrid& grid = table.grid;
+  const Grid<double> mz = heights_of_hemisphere(grid);
+  const Grid<double> sums = taken(table, mz, kernel);
+  const Grid<double> share = (mz > 0 && table.density != 0).select(table.density / sums, 0.);
+  const Gather gather(grid, mz, kernel, share);
+  DiskTable seen = make_disk_table(grid);
+  parallel_for(grid.size, [&](std::int64_t j) {
+    for (Eigen::Index i = 0; i < grid.size; ++i)
+      if (mz(j, i) > 0) seen.density(j, i) = gather(j, i);
+  });
+  return seen;
 }
 
 }  // namespace
@@ -199,18 +177,13 @@ void require_valid(const Signature& signature) {
 
 DiskTable convolve(const DiskTable& table, const Signature& signature) {
   require_valid(signature);
-  const DiskGrid& grid = table.grid;
-  const Response response(signature);
-  const Grid<double> mz = heights_of_hemisphere(grid);
-  const Grid<double> sums = taken(table, mz, response);
-  const Grid<double> share = (mz > 0 && table.density != 0).select(table.density / sums, 0.);
-  const Gather gather(grid, mz, response, share);
-  DiskTable seen = make_disk_table(grid);
-  parallel_for(grid.size, [&](std::int64_t j) {
-    for (Eigen::Index i = 0; i < grid.size; ++i)
-      if (mz(j, i) > 0) seen.density(j, i) = gather(j, i);
-  });
-  return seen;
+  const SignatureKernel kernel(signature);
+  const double in_reach = std::numbers::pi * std::pow(kernel.reach_angle() / table.grid.spacing(), 2);
+  const auto pairs = static_cast<double>((table.density != 0).count()) * in_reach;
+  if (const auto spacing = ring_spacing(signature))
+    if (cost_on_rings(table.grid, kernel, *spacing) < pairs)
+      return convolve_on_rings(table, kernel, *spacing);
+  return convolve_on_nodes(table, kernel);
 }
 
 }  // namespace micro

@@ -25,7 +25,8 @@ void require_valid(const Signature& signature);
 /// The table as the instrument would see it: the mass D(m)·m_z dω of each node is spread over the directions
 /// h of the hemisphere in proportion to response(∠(h, m))·h_z dω, so that ∫ D m_z dω is kept exactly, at the
 /// rim too. What goes beyond the extent of a table that is zoomed
-/// in leaves it. Cost: nodes that are not zero × nodes within the signature's reach.
+/// in leaves it. Narrow signatures and those with kinks are summed literally (nodes that are not zero × nodes
+/// in reach); wide smooth ones on rings (ring_convolution.h), to 1e-4 of the result's peak.
 DiskTable convolve(const DiskTable& table, const Signature& signature);
 
 }  // namespace micro
