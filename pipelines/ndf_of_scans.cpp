@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iomanip>
 #include <map>
 #include <new>
 #include <numbers>
@@ -313,6 +314,11 @@ Stage stage_of(const NdfOfScans& ndf, const std::map<std::string, std::int64_t>&
       count(ndf.scans, "scan") + ", " + count(ndf.samples, kirchhoff ? "coherent window" : "normal");
   if (ndf.unreached > 0) done += ", " + std::to_string(ndf.unreached) + " of them missed the tolerance";
   if (ndf.without_normal > 0) done += ", " + count(ndf.without_normal, "point") + " without a normal";
+  if (ndf.truncation_error) {
+    std::ostringstream bound;
+    bound << std::setprecision(2) << *ndf.truncation_error;
+    done += ", slopes within " + bound.str() + " of uncut windows'";
+  }
   // A lobe that falls between the nodes has no shape in the table, and D_K's normalisation not even its mass.
   const LobeWidth width = lobe_width(ndf.density);
   const double spacing = ndf.density.grid.spacing();
@@ -405,6 +411,11 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
   if (request.signature && result.spectrum)
     result.plan.push_back(
         left_out("instrument signature of the spectrum", "only tables of one wavelength are blurred"));
+  if (request.signature && errors)
+    result.plan.push_back(
+        left_out("standard error under the signature",
+                 "a blur mixes nodes whose errors are correlated, and the nodes' own errors do "
+                 "not tell how"));
   return result;
 }
 

@@ -188,7 +188,7 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
       return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
     };
     nlohmann::json methods = nlohmann::json::array();
-    for (const NdfOfScans& ndf : result.ndfs)
+    for (const NdfOfScans& ndf : result.ndfs) {
       methods.push_back({{"method", ndf.method.name},
                          {"estimator", estimator_of(ndf.method)},
                          {"normalization", number(normalization(ndf.density))},
@@ -199,6 +199,8 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
                          {"scans", ndf.scans},
                          {"samples", ndf.samples},
                          {"without_normal", ndf.without_normal}});
+      if (ndf.truncation_error) methods.back()["slope_truncation_error"] = number(*ndf.truncation_error);
+    }
     if (result.spectrum) methods.push_back(spectrum_summary(*result.spectrum));
     const nlohmann::json summary = {
         {"output", output.string()}, {"scans", done},

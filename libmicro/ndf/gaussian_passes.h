@@ -18,8 +18,7 @@ class GaussianTaps {
   /// than that.
   GaussianTaps(double pitch, double sigma, std::size_t longest);
 
-  /// Beyond this many σ on either side the window is cut: what is cut away changes a slope by at most
-  /// 2·max|z|/σ·φ(kReach), φ the standard normal density: 2e-11 per unit of max|z|/σ.
+  /// Beyond this many σ on either side the window is cut; truncation.h bounds what that does to a slope.
   static constexpr double kReach = 7;
 
   std::size_t radius() const { return radius_; }

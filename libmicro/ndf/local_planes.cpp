@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/parallel.h"
 #include "ndf/gaussian_passes.h"
+#include "ndf/truncation.h"
 
 namespace micro {
 namespace {
@@ -287,12 +288,9 @@ class LocalPlanes {
   SlopeField slopes_;
 };
 
-/// Largest |z|, in µm.
-double height_bound(const HeightField& surface) {
-  float bound = 0;
-  for (const float z : surface.z.reshaped<Eigen::RowMajor>())
-    if (!is_missing(z)) bound = std::max(bound, std::abs(z));
-  return static_cast<double>(bound);
+/// Largest absolute value; NaN count for nothing.
+double largest(const Grid<double>& values) {
+  return std::max(0., values.abs().maxCoeff<Eigen::PropagateNumbers>());
 }
 
 }  // namespace
@@ -309,9 +307,8 @@ SlopeField local_planes(const HeightField& surface, double sigma) {
   require_resolved(sigma, surface);
   if (surface.z.size() == 0) return {};
   SlopeField slopes = LocalPlanes(surface, sigma).fit();
-  constexpr double kReach = GaussianTaps::kReach;
-  const double density = std::exp(-kReach * kReach / 2) / std::sqrt(2 * std::numbers::pi);
-  slopes.truncation_error = 2 * height_bound(surface) / sigma * density;
+  slopes.truncation_error =
+      slope_truncation_bound(surface, sigma, {.zx = largest(slopes.zx), .zy = largest(slopes.zy)});
   return slopes;
 }
 

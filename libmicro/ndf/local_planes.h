@@ -9,8 +9,9 @@ struct SlopeField {
   Grid<double> zx, zy;  ///< [rows, cols] ∂z/∂x, ∂z/∂y; NaN where a point has no normal
   Eigen::Index without_normal =
       0;  ///< points that have a height, but whose neighbours don't determine a plane
-  double truncation_error =
-      0;  ///< bound on the slope error from cutting the window off (where well conditioned)
+  /// Bound on the slopes' error from cutting the window off, where no point of the window is missing
+  /// (slope_truncation_bound); beside missing points it grows as the fit's condition.
+  double truncation_error = 0;
 };
 
 /// Locally weighted linear least squares [Dong15 §5.1]: at every point fits z ≈ a + b·x + c·y with the
