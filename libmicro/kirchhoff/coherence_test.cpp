@@ -10,6 +10,7 @@
 #include "height/triangles.h"
 #include "kirchhoff/exact.h"
 #include "kirchhoff/monte_carlo.h"
+#include "kirchhoff/spectral.h"
 #include "testing/gaussian_surface.h"
 #include "testing/kirchhoff_ensemble.h"
 
@@ -186,6 +187,37 @@ TEST(Coherence, BlurOfRoughSurfacesIsAsPredicted) {
           << "windows " << coherence.index() << ", direction " << d << ": " << mean << " ± " << error
           << " against " << expected;
     }
+  }
+}
+
+TEST(ExactField, TakesTapers) {
+  for (const Window& window : coherent_windows(holed(45, 50), GaussianTaper{6})) {
+    const std::vector<Vec3> q = {wave(0, 0, 0.555), wave(0.6, -0.3, 0.555)};
+    const auto fields = exact_field(window, q);
+    const double scale = q[0].norm() * effective_area(window);
+    for (std::size_t k = 0; k < q.size(); ++k)
+      EXPECT_LE(std::abs(fields[k] - literal_field(window, q[k])), 1e-12 * scale);
+  }
+}
+
+// The taper's gradient sits on the edges of the cells; without them the table is off by percents.
+TEST(SpectralSolver, TakesTapers) {
+  constexpr double kTol = 1e-3, kSlack = 2;  // a small table samples few speckles
+  const DiskGrid grid{33, 1};
+  SpectralSolver solver(grid, 0.555, kTol);
+  for (const Window& window : coherent_windows(holed(45, 50), GaussianTaper{6})) {
+    const KirchhoffTable table = solver(window);
+    EXPECT_TRUE(table.reached);
+    double difference = 0, total = 0;
+    for (Eigen::Index j = 0; j < grid.size; ++j)
+      for (Eigen::Index i = 0; i < grid.size; ++i) {
+        if (!(grid.mz2(j, i) > 0)) continue;
+        const Vec3 q = wave(grid.coordinate(i), grid.coordinate(j), 0.555);
+        const double exact = kirchhoff_density(exact_field(window, {&q, 1}).front(), effective_area(window));
+        difference += std::pow(table.table.density(j, i) - exact, 2);
+        total += exact * exact;
+      }
+    EXPECT_LE(std::sqrt(difference / total), kSlack * kTol);
   }
 }
 

@@ -7,7 +7,6 @@
 
 #include "core/parallel.h"
 #include "core/random.h"
-#include "height/triangles.h"
 #include "kirchhoff/exact.h"
 
 namespace micro {
@@ -156,9 +155,10 @@ double coherent_core(const HeightField& surface, double lambda_q) {
   return 2 * lambda_q / (2 * shorter);
 }
 
-ErrorSample sample_error(const HeightField& surface, const DiskTable& table, double lambda_q, double tol,
-                         int nodes, std::uint64_t seed) {
-  const NodeWeights weights{table, coherent_core(surface, lambda_q), kSignificant * table.density.maxCoeff()};
+ErrorSample sample_error(const Window& window, const DiskTable& table, double lambda_q, double tol, int nodes,
+                         std::uint64_t seed) {
+  const NodeWeights weights{table, coherent_core(window.surface, lambda_q),
+                            kSignificant * table.density.maxCoeff()};
   const RowSums sums = sum_rows(weights);
   ErrorSample sample;
   if (!(sums.total(kWhole) > 0)) return sample;
@@ -169,8 +169,8 @@ ErrorSample sample_error(const HeightField& surface, const DiskTable& table, dou
     const double x = table.grid.coordinate(node.i), y = table.grid.coordinate(node.j);
     q.push_back(wave_vector(Vec3(x, y, std::sqrt(table.grid.mz2(node.j, node.i))), lambda_q));
   }
-  const auto fields = exact_field(surface, q);
-  const double area = projected_area(surface);
+  const auto fields = exact_field(window, q);
+  const double area = effective_area(window);
   for (std::size_t n = 0; n < draws.size(); ++n) {
     const auto& [node, probability, even] = draws[n];
     const double exact = kirchhoff_density(fields[n], area);
@@ -185,6 +185,11 @@ ErrorSample sample_error(const HeightField& surface, const DiskTable& table, dou
   }
   sample.nodes = static_cast<std::int64_t>(draws.size());
   return sample;
+}
+
+ErrorSample sample_error(const HeightField& surface, const DiskTable& table, double lambda_q, double tol,
+                         int nodes, std::uint64_t seed) {
+  return sample_error(Window{surface, {}}, table, lambda_q, tol, nodes, seed);
 }
 
 }  // namespace micro

@@ -4,6 +4,7 @@
 
 #include "distribution/disk_table.h"
 #include "height/height_field.h"
+#include "kirchhoff/coherence.h"
 
 namespace micro {
 
@@ -31,8 +32,10 @@ struct ErrorSample {
   ErrorSample& operator+=(const ErrorSample& other);
 };
 
-/// Draws `nodes` nodes of a table of D_K at λ_q, or takes all if it has no more; the draw depends on the
-/// table and on `seed` alone. A table without any D > 0 gives an empty sample.
+/// Draws `nodes` nodes of a window's table of D_K at λ_q, or takes all if it has no more; the draw depends on
+/// the table and on `seed` alone. A table without any D > 0 gives an empty sample.
+ErrorSample sample_error(const Window& window, const DiskTable& table, double lambda_q, double tol, int nodes,
+                         std::uint64_t seed);
 ErrorSample sample_error(const HeightField& surface, const DiskTable& table, double lambda_q, double tol,
                          int nodes, std::uint64_t seed);
 

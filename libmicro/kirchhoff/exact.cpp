@@ -35,6 +35,8 @@ struct ExactProblem {
   Vec3 q;
   const double *x_re, *x_im;            ///< e^{−i q_x x} for every column, padded by kPadding
   const FacetReflectance* reflectance;  ///< or nullptr: 1
+  const Grid<float>* taper;             ///< [rows−1, cols−1], or nullptr: 1
+  bool weighted() const { return reflectance || taper; }
 };
 
 /// At least as many as a vector has lanes; rows are padded with missing points.
@@ -217,7 +219,9 @@ struct WeightBuffer {
 
   RowWeights fill(const ExactProblem& problem, Eigen::Index j) {
     for_each_triangle(problem.surface, j, [&](const Triangle& t) {
-      const Complex r = (*problem.reflectance)(Vec3(-t.zx, -t.zy, 1).normalized());
+      Complex r = 1;
+      if (problem.reflectance) r = (*problem.reflectance)(Vec3(-t.zx, -t.zy, 1).normalized());
+      if (problem.taper) r *= (*problem.taper)(t.a.y(), t.a.x());
       const bool lower = t.b.y() == t.a.y();
       (lower ? lower_re : upper_re)[t.a.x()] = r.real();
       (lower ? lower_im : upper_im)[t.a.x()] = r.imag();
@@ -231,7 +235,7 @@ Complex cell_block_sum(const ExactProblem& problem, Eigen::Index begin, Eigen::I
   const auto padded = static_cast<std::size_t>(problem.surface.cols() + kPadding);
   VertexRow low(padded), high(padded);
   RisingEdges rising(padded);
-  WeightBuffer buffer(problem.reflectance ? padded : 0);
+  WeightBuffer buffer(problem.weighted() ? padded : 0);
   Complex sum = 0;
   high.fill(problem, begin);
   for (Eigen::Index j = begin; j < end; ++j) {
@@ -239,8 +243,8 @@ Complex cell_block_sum(const ExactProblem& problem, Eigen::Index begin, Eigen::I
     high.fill(problem, j + 1);
     rising.fill(problem, low, high);
     RowWeights weights{};
-    if (problem.reflectance) weights = buffer.fill(problem, j);
-    const Complex row = cell_row_sum(problem, low, high, rising, problem.reflectance ? &weights : nullptr);
+    if (problem.weighted()) weights = buffer.fill(problem, j);
+    const Complex row = cell_row_sum(problem, low, high, rising, problem.weighted() ? &weights : nullptr);
     sum += row * std::polar(1.0, -problem.q.y() * problem.surface.dy * static_cast<double>(j));
   }
   return sum * (problem.surface.dx * problem.surface.dy / 2);
@@ -266,7 +270,7 @@ HWY_EXPORT(CellBlockSum);
 constexpr Eigen::Index kBlockRows = 32;
 
 std::vector<Complex> field(const HeightField& surface, std::span<const Vec3> q,
-                           const FacetReflectance* reflectance) {
+                           const FacetReflectance* reflectance, const Grid<float>* taper) {
   const Eigen::Index cell_rows = surface.rows() - 1;
   std::vector<Complex> result(q.size());
   if (cell_rows < 1 || surface.cols() < 2) return result;
@@ -282,7 +286,7 @@ std::vector<Complex> field(const HeightField& surface, std::span<const Vec3> q,
       x_re[i] = std::cos(phase);
       x_im[i] = -std::sin(phase);
     }
-    const ExactProblem problem{surface, direction, x_re.data(), x_im.data(), reflectance};
+    const ExactProblem problem{surface, direction, x_re.data(), x_im.data(), reflectance, taper};
     partial[task] =
         HWY_DYNAMIC_DISPATCH(CellBlockSum)(problem, begin, std::min(begin + kBlockRows, cell_rows));
   });
@@ -294,16 +298,20 @@ std::vector<Complex> field(const HeightField& surface, std::span<const Vec3> q,
 }  // namespace
 
 std::complex<double> exact_field(const HeightField& surface, const Vec3& q) {
-  return field(surface, {&q, 1}, nullptr).front();
+  return field(surface, {&q, 1}, nullptr, nullptr).front();
 }
 
 std::vector<std::complex<double>> exact_field(const HeightField& surface, std::span<const Vec3> q) {
-  return field(surface, q, nullptr);
+  return field(surface, q, nullptr, nullptr);
+}
+
+std::vector<std::complex<double>> exact_field(const Window& window, std::span<const Vec3> q) {
+  return field(window.surface, q, nullptr, window.taper.size() ? &window.taper : nullptr);
 }
 
 std::complex<double> exact_field(const HeightField& surface, const Vec3& q,
                                  const FacetReflectance& reflectance) {
-  return field(surface, {&q, 1}, &reflectance).front();
+  return field(surface, {&q, 1}, &reflectance, nullptr).front();
 }
 
 double exact_density(const HeightField& surface, const Vec3& q) {

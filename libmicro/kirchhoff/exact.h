@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "kirchhoff/coherence.h"
 #include "kirchhoff/kirchhoff.h"
 
 namespace micro {
@@ -19,6 +20,10 @@ std::complex<double> exact_field(const HeightField& surface, const Vec3& q);
 
 /// The same for many wave vectors.
 std::vector<std::complex<double>> exact_field(const HeightField& surface, std::span<const Vec3> q);
+
+/// The same for a coherent window, Σ_T W_T (q·a_T) mean_T, W_T the taper of the triangle's cell; D is
+/// |F|²/(4π² · effective_area(window)).
+std::vector<std::complex<double>> exact_field(const Window& window, std::span<const Vec3> q);
 
 /// The amplitude of Fresnel reflection as a function of the facet's unit normal m [Dong15 Eq. 3, R(s, wi,
 /// wo)].

@@ -2,18 +2,21 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 #include "height/triangles.h"
 
 namespace micro {
 
-QuadratureLattice::QuadratureLattice(const HeightField& surface, int subdivision)
+QuadratureLattice::QuadratureLattice(const HeightField& surface, int subdivision, Grid<float> taper)
     : surface_(surface),
+      taper_(std::move(taper)),
       refinement_(2 * subdivision),
       third_(static_cast<float>(surface.dx * surface.dy / 2 / subdivision / subdivision / 3)),
       lower_(Grid<std::uint8_t>::Zero(surface.rows() - 1, surface.cols() - 1)),
       upper_(lower_) {
   assert(surface.rows() >= 2 && surface.cols() >= 2 && subdivision >= 1);
+  assert(taper_.size() == 0 || (taper_.rows() == lower_.rows() && taper_.cols() == lower_.cols()));
   for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j) {
     const float* z0 = &surface.z(j, 0);
     const float* z1 = &surface.z(j + 1, 0);
@@ -23,7 +26,7 @@ QuadratureLattice::QuadratureLattice(const HeightField& surface, int subdivision
       upper_(j, i) = diagonal && z1[i] == z1[i];
     }
   }
-  complete_ = (lower_ != 0).all() && (upper_ != 0).all();
+  complete_ = taper_.size() == 0 && (lower_ != 0).all() && (upper_ != 0).all();
 }
 
 void QuadratureLattice::fill(std::int64_t l, LatticeRow& row) const {
@@ -49,29 +52,26 @@ void QuadratureLattice::fill_vertex_row(Eigen::Index j, LatticeRow& row) const {
   const float* z = &surface_.z(j, 0);
   // Along the horizontal edges: the triangle above is a lower one, the one below an upper one.
   for (Eigen::Index i = 0; i + 1 < surface_.cols(); ++i) {
-    const int above = lower(j, i), below = upper(j - 1, i);
-    if (above + below == 0) continue;
+    const float above = lower(j, i), below = upper(j - 1, i);
+    if (above == 0 && below == 0) continue;
     for (int a = 1; a < r; ++a) {
       const float t = static_cast<float>(a) / static_cast<float>(r);
       row.z[i * r + a] = z[i] + t * (z[i + 1] - z[i]);
-      if (a % 2 == 1) row.area[i * r + a] = static_cast<float>(above + below) * third_;
+      if (a % 2 == 1) row.area[i * r + a] = (above + below) * third_;
     }
-    if (above + below == 1)
+    if (above != below)
       for (int a = 0; a <= r; ++a)
-        row.ny[i * r + a] += static_cast<float>(below - above) * dx * simpson(a);
+        row.ny[i * r + a] += (below - above) * dx * simpson(a);
   }
   // At the vertices: ends of the vertical and diagonal edges of the rim that meet there.
   const float end = simpson(0);
   for (Eigen::Index i = 0; i < surface_.cols(); ++i) {
     for (const Eigen::Index cell : {j, j - 1}) {
-      const int right = upper(cell, i), left = lower(cell, i - 1);
-      if (right + left == 1) row.nx[i * r] += static_cast<float>(left - right) * dy * end;
+      row.nx[i * r] += (lower(cell, i - 1) - upper(cell, i)) * dy * end;
       const Eigen::Index k = cell == j ? i : i - 1;
-      const int under = lower(cell, k), over = upper(cell, k);
-      if (under + over == 1) {
-        row.nx[i * r] += static_cast<float>(over - under) * dy * end;
-        row.ny[i * r] += static_cast<float>(under - over) * dx * end;
-      }
+      const float under = lower(cell, k), over = upper(cell, k);
+      row.nx[i * r] += (over - under) * dy * end;
+      row.ny[i * r] += (under - over) * dx * end;
     }
     if (row.nx[i * r] != 0 || row.ny[i * r] != 0) row.z[i * r] = z[i];
   }
@@ -85,32 +85,30 @@ void QuadratureLattice::fill_inner_row(Eigen::Index j, int b, LatticeRow& row) c
   const float* z1 = &surface_.z(j + 1, 0);
   const float along = simpson(b);
   for (Eigen::Index i = 0; i < surface_.cols(); ++i) {
-    const int right = upper(j, i), left = lower(j, i - 1);
-    if (right + left > 0) {
+    const float right = upper(j, i), left = lower(j, i - 1);
+    if (right > 0 || left > 0) {
       row.z[i * r] = z0[i] + v * (z1[i] - z0[i]);
-      if (b % 2 == 1) row.area[i * r] = static_cast<float>(right + left) * third_;
-      if (right + left == 1) row.nx[i * r] = static_cast<float>(left - right) * dy * along;
+      if (b % 2 == 1) row.area[i * r] = (right + left) * third_;
+      row.nx[i * r] = (left - right) * dy * along;
     }
-    const int under = lower(j, i), over = upper(j, i);
-    if (under + over == 0) continue;
+    const float under = lower(j, i), over = upper(j, i);
+    if (under == 0 && over == 0) continue;
     row.z[i * r + b] = z0[i] + v * (z1[i + 1] - z0[i]);
-    if (b % 2 == 1) row.area[i * r + b] = static_cast<float>(under + over) * third_;
-    if (under + over == 1) {
-      row.nx[i * r + b] = static_cast<float>(over - under) * dy * along;
-      row.ny[i * r + b] = static_cast<float>(under - over) * dx * along;
-    }
+    if (b % 2 == 1) row.area[i * r + b] = (under + over) * third_;
+    row.nx[i * r + b] = (over - under) * dy * along;
+    row.ny[i * r + b] = (under - over) * dx * along;
     if (r == 2) continue;
-    if (over)
+    if (over > 0)
       for (int a = 1; a < b; ++a) {
         const float u = static_cast<float>(a) / static_cast<float>(r);
         row.z[i * r + a] = z0[i] + v * (z1[i] - z0[i]) + u * (z1[i + 1] - z1[i]);
-        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * third_;
+        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * over * third_;
       }
-    if (under)
+    if (under > 0)
       for (int a = b + 1; a < r; ++a) {
         const float u = static_cast<float>(a) / static_cast<float>(r);
         row.z[i * r + a] = z0[i] + u * (z0[i + 1] - z0[i]) + v * (z1[i + 1] - z0[i + 1]);
-        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * third_;
+        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * under * third_;
       }
   }
 }

@@ -19,17 +19,18 @@ struct LatticeRow {
 /// Quadrature of the triangulated surface (height/triangles.h) on a regular lattice `subdivision`·2 times as
 /// fine as its grid. Each triangle is cut into subdivision² equal ones, each integrated by the midpoints of
 /// its three edges (exact for quadratics); each edge of the rim, holes included, by as many Simpson rules. A
-/// missing triangle just does not contribute, so missing data cost no accuracy.
+/// missing triangle just does not contribute, so missing data cost no accuracy. A taper (coherence.h) weighs
+/// the cells; where neighbours differ, their common edge belongs to the rim with the difference of weights.
 class QuadratureLattice {
  public:
-  QuadratureLattice(const HeightField& surface, int subdivision);
+  QuadratureLattice(const HeightField& surface, int subdivision, Grid<float> taper = {});
 
   int refinement() const { return refinement_; }  ///< lattice points per grid pitch
   std::int64_t rows() const { return (surface_.rows() - 1) * refinement_ + 1; }
   std::int64_t cols() const { return (surface_.cols() - 1) * refinement_ + 1; }
   double dx() const { return surface_.dx / refinement_; }
   double dy() const { return surface_.dy / refinement_; }
-  bool complete() const { return complete_; }  ///< all triangles are there
+  bool complete() const { return complete_; }  ///< all triangles are there, with weight 1
 
   /// Even rows (of sub-vertices) carry area only on odd columns.
   static bool area_on_odd_columns_only(std::int64_t row) { return row % 2 == 0; }
@@ -40,10 +41,12 @@ class QuadratureLattice {
  private:
   void fill_vertex_row(Eigen::Index j, LatticeRow& row) const;
   void fill_inner_row(Eigen::Index j, int b, LatticeRow& row) const;
-  bool lower(Eigen::Index j, Eigen::Index i) const { return exists(lower_, j, i); }
-  bool upper(Eigen::Index j, Eigen::Index i) const { return exists(upper_, j, i); }
-  static bool exists(const Grid<std::uint8_t>& cells, Eigen::Index j, Eigen::Index i) {
-    return j >= 0 && i >= 0 && j < cells.rows() && i < cells.cols() && cells(j, i) != 0;
+  /// Weight of a triangle, 0 where none is.
+  float lower(Eigen::Index j, Eigen::Index i) const { return weight(lower_, j, i); }
+  float upper(Eigen::Index j, Eigen::Index i) const { return weight(upper_, j, i); }
+  float weight(const Grid<std::uint8_t>& cells, Eigen::Index j, Eigen::Index i) const {
+    if (j < 0 || i < 0 || j >= cells.rows() || i >= cells.cols() || cells(j, i) == 0) return 0;
+    return taper_.size() ? taper_(j, i) : 1;
   }
   /// Simpson's weight of the t-th of refinement_+1 points along an edge, of a sum of 1.
   float simpson(int t) const {
@@ -52,6 +55,7 @@ class QuadratureLattice {
   }
 
   const HeightField& surface_;
+  Grid<float> taper_;  ///< of the cells; 0×0: 1
   int refinement_;
   bool complete_;
   float third_;  ///< a third of a sub-triangle's area, µm²
