@@ -18,6 +18,19 @@ DiskTable make_disk_table(const DiskGrid& grid) {
   return {grid, Grid<double>::Zero(grid.size, grid.size)};
 }
 
+std::int64_t disk_nodes(const DiskGrid& grid) {
+  const auto c = static_cast<Eigen::Index>(grid.centre());
+  std::int64_t nodes = 0;
+  Eigen::Index reach =
+      c;  // columns c − reach … c + reach of a row are on the disk; it shrinks towards the rim
+  for (Eigen::Index j = c; j < grid.size; ++j) {
+    while (reach >= 0 && !(grid.mz2(j, c + reach) > 0))
+      --reach;
+    nodes += (j == c ? 1 : 2) * (2 * reach + 1) * (reach >= 0 ? 1 : 0);
+  }
+  return nodes;
+}
+
 double normalization(const DiskTable& table) {
   return table.density.sum() * table.grid.spacing() * table.grid.spacing();
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "core/grid.h"
 
 namespace micro {
@@ -31,6 +33,9 @@ struct DiskTable {
 
 /// An empty (all zero) table. Throws InputError unless size is odd and ≥ 3 and 0 < extent ≤ 1.
 DiskTable make_disk_table(const DiskGrid& grid);
+
+/// How many nodes of a grid lie on the disk.
+std::int64_t disk_nodes(const DiskGrid& grid);
 
 /// ∫ D m_z dω over the table: since m_z dω = dm_x dm_y it is ΣD·spacing².
 double normalization(const DiskTable& table);

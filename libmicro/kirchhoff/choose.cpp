@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "height/triangles.h"
-#include "kirchhoff/kirchhoff.h"
+#include "kirchhoff/spectral.h"
 
 namespace micro {
 namespace {
@@ -16,12 +16,51 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kMaxSubdivision = 2000;
 
+/// Triangles and their root mean square slope, over all windows.
+struct Relief {
+  double triangles = 0, slope2 = 0, dx = 0, dy = 0;
+};
+
+Relief relief_of(std::span<const Window> windows) {
+  Relief relief;
+  for (const Window& window : windows) {
+    const HeightField& surface = window.surface;
+    relief.dx = surface.dx;
+    relief.dy = surface.dy;
+    for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j)
+      for_each_triangle(surface, j, [&](const Triangle& t) {
+        ++relief.triangles;
+        relief.slope2 += t.zx * t.zx + t.zy * t.zy;
+      });
+  }
+  if (!(relief.triangles > 0))
+    throw InputError("not one triangle of the surface is there: D_K needs three neighbouring heights");
+  return relief;
+}
+
 /// The relative standard error of D with n² strata.
-double monte_carlo_error(const KirchhoffSurface& s, double q, int n) {
-  const double phase2 = q * q * s.slope * s.slope * (s.dx * s.dx + s.dy * s.dy) / 18 / (n * n);
+double monte_carlo_error(const Relief& s, double q, int n) {
+  const double slope2 = s.slope2 / s.triangles;
+  const double phase2 = q * q * slope2 * (s.dx * s.dx + s.dy * s.dy) / 18 / (n * n);
   const double variance = std::min(0.3 * phase2 * phase2, 1.0 / 3);
-  const double density = 1 / (2 * kPi * s.slope * s.slope), triangle = s.dx * s.dy / 2;
+  const double density = 1 / (2 * kPi * slope2), triangle = s.dx * s.dy / 2;
   return q * std::sqrt(triangle * variance / (4 * kPi * kPi * density)) / n;
+}
+
+double spectral_seconds(const Window& window, const DiskGrid& grid, const KirchhoffRequest& request,
+                        const KirchhoffCosts& costs) {
+  const HeightField& surface = window.surface;
+  const SpectralChoice choice = choose_spectral(surface, grid, request.lambda_q, request.tolerance);
+  const SpectralWork work = predict_work(window, grid, request.lambda_q, choice);
+  const double length = static_cast<double>(work.fft_length),
+               nodes = static_cast<double>(grid.size) * grid.size,
+               points = static_cast<double>(surface.z.size());
+  const double table =
+      costs.spectral_spread * work.spread +
+      costs.spectral_butterfly * static_cast<double>(work.transforms) * length * std::log2(length) +
+      costs.spectral_node * nodes * work.terms;
+  return table * (sums_in_double(request.tolerance) ? 2 : 1) + costs.spectral_surface * points +
+         costs.exact_triangle * 2 * points * checked_nodes(surface, grid, choice, work);
 }
 
 std::string seconds_text(double seconds) {
@@ -33,67 +72,52 @@ std::string seconds_text(double seconds) {
 
 }  // namespace
 
-KirchhoffSurface kirchhoff_surface(const HeightField& surface) {
-  kirchhoff_area(surface);
-  KirchhoffSurface result{.dx = surface.dx, .dy = surface.dy};
-  double slope2 = 0;
-  float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j)
-    for_each_triangle(surface, j, [&](const Triangle& t) {
-      ++result.triangles;
-      slope2 += t.zx * t.zx + t.zy * t.zy;
-      for (const Eigen::Vector2i& corner : {t.a, t.b, t.c}) {
-        low = std::min(low, surface.z(corner.y(), corner.x()));
-        high = std::max(high, surface.z(corner.y(), corner.x()));
-      }
-    });
-  result.slope = std::sqrt(slope2 / result.triangles);
-  result.height_range = static_cast<double>(high) - low;
-  return result;
+std::string name_of(const KirchhoffEstimator& estimator) {
+  if (std::holds_alternative<Exact>(estimator)) return "exact";
+  return std::holds_alternative<Spectral>(estimator) ? "spectral" : "monte-carlo";
 }
 
-KirchhoffPrediction predict_seconds(const KirchhoffSurface& surface, const KirchhoffRequest& request,
+KirchhoffPrediction predict_seconds(std::span<const Window> windows, const KirchhoffRequest& request,
                                     const KirchhoffCosts& costs) {
+  const Relief relief = relief_of(windows);
   const double q = 4 * kPi / request.lambda_q, threads = std::max(request.threads, 1);
+  const auto* grid = std::get_if<DiskGrid>(&request.targets);
+  const auto directions =
+      static_cast<double>(grid ? disk_nodes(*grid) : std::get<Directions>(request.targets).count);
   KirchhoffPrediction result;
   while (result.subdivision < kMaxSubdivision &&
-         !(monte_carlo_error(surface, q, result.subdivision) <= request.tolerance))
+         !(monte_carlo_error(relief, q, result.subdivision) <= request.tolerance))
     ++result.subdivision;
-  const double n = result.subdivision, strata = n > 1 ? n * n + 1 : 1,
-               batches = std::ceil(request.directions / 512);
-  result.exact = costs.exact_triangle * surface.triangles * request.directions / threads;
-  result.monte_carlo = strata * surface.triangles *
-                       (6 * costs.monte_carlo_point * request.directions + costs.monte_carlo_draw * batches) /
+  const double n = result.subdivision, strata = n > 1 ? n * n + 1 : 1, batches = std::ceil(directions / 512);
+  result.exact = costs.exact_triangle * relief.triangles * directions / threads;
+  result.monte_carlo = strata * relief.triangles *
+                       (6 * costs.monte_carlo_point * directions + costs.monte_carlo_draw * batches) /
                        threads;
-  const double nodes = q * surface.height_range / 4 + std::log(1 / request.tolerance) + 3;
-  result.spectral = request.targets == Targets::Table ? costs.spectral_plane_point * (surface.triangles / 2) *
-                                                            std::max(nodes, 3.0) / threads
-                                                      : std::numeric_limits<double>::infinity();
+  if (!grid)
+    result.spectral = std::numeric_limits<double>::infinity();
+  else
+    for (const Window& window : windows)
+      result.spectral += spectral_seconds(window, *grid, request, costs) / threads;
   return result;
 }
 
-KirchhoffChoice choose_estimator(const KirchhoffSurface& surface, const KirchhoffRequest& request,
+KirchhoffChoice choose_estimator(std::span<const Window> windows, const KirchhoffRequest& request,
                                  const KirchhoffCosts& costs) {
   if (!(request.tolerance > 0 && std::isfinite(request.tolerance)))
     throw InputError("the tolerance must be positive and finite, not " + std::to_string(request.tolerance));
   if (!(request.lambda_q > 0 && std::isfinite(request.lambda_q)))
     throw InputError("the effective wavelength must be positive and finite, not " +
                      std::to_string(request.lambda_q) + " µm");
-  const KirchhoffPrediction p = predict_seconds(surface, request, costs);
-  const double least = std::min({p.exact, p.monte_carlo, p.spectral});
-  KirchhoffChoice choice{Exact{}, p, {}};
-  const char* name = "exact";
-  if (p.exact > least) {  // of equals, the one without an error
-    const bool spectral = p.spectral <= p.monte_carlo;
-    name = spectral ? "spectral" : "monte-carlo";
-    if (spectral)
-      choice.estimator = Spectral{request.tolerance};
-    else
-      choice.estimator = MonteCarlo{.tolerance = request.tolerance};
-  }
-  choice.reason = std::string(name) + " is predicted to be the fastest: exact " + seconds_text(p.exact) +
-                  ", monte-carlo " + seconds_text(p.monte_carlo) + ", spectral " + seconds_text(p.spectral);
-  return choice;
+  const KirchhoffPrediction p = predict_seconds(windows, request, costs);
+  if (p.exact <= std::min(p.monte_carlo, p.spectral))
+    return {Exact{}, p};  // of equals, the one without error
+  if (p.spectral <= p.monte_carlo) return {Spectral{request.tolerance}, p};
+  return {MonteCarlo{.tolerance = request.tolerance}, p};
+}
+
+std::string to_text(const KirchhoffPrediction& p) {
+  return "exact " + seconds_text(p.exact) + ", monte-carlo " + seconds_text(p.monte_carlo) + ", spectral " +
+         seconds_text(p.spectral);
 }
 
 }  // namespace micro

@@ -328,6 +328,21 @@ DiskTable finish(const Geometry& g, const DiskGrid& grid, const GriddingKernel& 
   return table;
 }
 
+WaveRange wave_range(double radius, const DiskGrid& grid) {
+  return {radius * std::sqrt(std::max(0.0, 1 - 2 * grid.extent * grid.extent)), radius};
+}
+
+/// Every lattice point takes as many terms along x as the kernel is wide, and four for φ_k; every grid column
+/// of a lattice row as many along y.
+double spread_work(const Geometry& g, const QuadratureLattice& lattice, const SpectralChoice& choice,
+                   int terms) {
+  const double padded = static_cast<double>((terms + kTermLanes - 1) / kTermLanes * kTermLanes);
+  const auto rows = static_cast<double>(lattice.rows()), cols = static_cast<double>(lattice.cols());
+  const double along_x = 0.75 * cols * (choice.kernel_width + 4);
+  const double along_y = static_cast<double>(g.x_end - g.x_begin) * choice.kernel_width;
+  return padded * rows * (along_x + along_y);
+}
+
 template <typename Real>
 void clear_field(const Geometry& g, DiskField<Real>& field) {
   field.half = g.half;
@@ -356,15 +371,17 @@ void check_work(const HeightField& surface, const QuadratureLattice& lattice, in
 }
 
 template <typename Real>
-DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, double lambda_q,
+DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double lambda_q,
                            const SpectralChoice& choice, DiskMemory<Real>& memory) {
-  const double area = kirchhoff_area(surface);
-  const QuadratureLattice lattice(surface, choice.subdivision);
+  const HeightField& surface = window.surface;
+  kirchhoff_area(surface);
+  const double area = effective_area(window);
+  const QuadratureLattice lattice(surface, choice.subdivision, window.taper);
   const Geometry g = make_geometry(lattice, grid, lambda_q, choice);
   const GriddingKernel kernel(choice.kernel_width, static_cast<double>(g.length) / grid.size, g.pitch);
   const HeightHistogram heights = height_histogram(surface);
   const double radius = std::sqrt(g.sphere);
-  const WaveRange q = {radius * std::sqrt(std::max(0.0, 1 - 2 * grid.extent * grid.extent)), radius};
+  const WaveRange q = wave_range(radius, grid);
   // |q|²·ψ competes with |q| in the area and with one per length in rims that are never denser than the
   // pitch.
   const double scale = std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
@@ -384,7 +401,9 @@ DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, dou
   problem.scatter_x = make_scatter<Real>(kernel, lattice.dx(), lattice.cols(), g.x_begin, g.x_end);
 
   DiskDensity result;
-  result.work = {basis.terms() + (lattice.complete() ? 0 : 1), g.length, 0, 0};
+  result.work.terms = basis.terms() + (lattice.complete() ? 0 : 1);
+  result.work.fft_length = g.length;
+  result.work.spread = spread_work(g, lattice, choice, result.work.terms);
   clear_field(g, memory.field);
   const std::int64_t padded_rows = (g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup;
   const std::int64_t term_bytes = (2 * g.half + 1) * padded_rows * static_cast<std::int64_t>(sizeof(Real));
@@ -407,9 +426,25 @@ DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, dou
   return result;
 }
 
-template DiskDensity transform_disk<float>(const HeightField&, const DiskGrid&, double, const SpectralChoice&,
+template DiskDensity transform_disk<float>(const Window&, const DiskGrid&, double, const SpectralChoice&,
                                            DiskMemory<float>&);
-template DiskDensity transform_disk<double>(const HeightField&, const DiskGrid&, double,
-                                            const SpectralChoice&, DiskMemory<double>&);
+template DiskDensity transform_disk<double>(const Window&, const DiskGrid&, double, const SpectralChoice&,
+                                            DiskMemory<double>&);
+
+SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lambda_q,
+                          const SpectralChoice& choice) {
+  const QuadratureLattice lattice(window.surface, choice.subdivision, window.taper);
+  const Geometry g = make_geometry(lattice, grid, lambda_q, choice);
+  const HeightHistogram heights = height_histogram(window.surface);
+  const WaveRange q = wave_range(std::sqrt(g.sphere), grid);
+  const double terms =
+      (q.high - q.low) * (heights.high - heights.low) / pi - 0.7 * std::log(choice.basis_tolerance);
+  SpectralWork work;
+  work.terms = std::max(1, static_cast<int>(std::min(terms, 1e6))) + (lattice.complete() ? 0 : 1);
+  work.fft_length = g.length;
+  work.transforms = (work.terms + 1) / 2 * (g.rows() + 2 * g.half + 1);
+  work.spread = spread_work(g, lattice, choice, work.terms);
+  return work;
+}
 
 }  // namespace micro

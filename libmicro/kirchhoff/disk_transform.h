@@ -1,6 +1,7 @@
 #pragma once
 
 #include "distribution/disk_table.h"
+#include "kirchhoff/coherence.h"
 #include "kirchhoff/combine.h"
 #include "kirchhoff/height_basis.h"
 #include "kirchhoff/quadrature_lattice.h"
@@ -22,6 +23,7 @@ struct SpectralWork {
   std::int64_t fft_length = 0;
   std::int64_t transforms = 0;  ///< complex transforms of fft_length numbers, rows and columns
   std::int64_t bytes = 0;       ///< of memory held at most, without the table
+  double spread = 0;            ///< multiply-adds that take the sources to the grid, about
 };
 
 /// Memory that may serve one table after the other; nothing in it outlives a call.
@@ -44,15 +46,22 @@ struct DiskDensity {
 /// rim and around holes, spread onto a grid whose transform lands on the nodes. Sources beyond the grid's
 /// period fold into it, which is exact.
 ///
+/// A taper weighs the cells, and the edges between cells of different weight are rims of that difference.
+///
 /// `Real` is float (error about 1e-6 of the peak of |F| without the coherent part) or double.
 /// Throws InputError if not one triangle is there, or if the lattice has so many points that a table would
 /// take hours.
 template <typename Real>
-DiskDensity transform_disk(const HeightField& surface, const DiskGrid& grid, double lambda_q,
+DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double lambda_q,
                            const SpectralChoice& choice, DiskMemory<Real>& memory);
 
-/// Throws InputError if transforming so many terms of so fine a lattice would take hours; says how far out the
-/// table may go instead.
+/// Throws InputError if transforming so many terms of so fine a lattice would take hours; says how far out
+/// the table may go instead.
 void check_work(const HeightField& surface, const QuadratureLattice& lattice, int terms, double lambda_q);
+
+/// What a table will take, without computing it; `bytes` is left out, and `terms` is what the ranges of
+/// heights and of q_z suggest, (q_z range)·(height range)/π + 0.7·ln(1/tolerance).
+SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lambda_q,
+                          const SpectralChoice& choice);
 
 }  // namespace micro

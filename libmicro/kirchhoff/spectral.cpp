@@ -18,8 +18,12 @@ constexpr int kMostWidth = 14;
 /// Refinements before the error is taken for what it is.
 constexpr int kRefinements = 3;
 
-/// Nodes whose exact values take some 15 % of a table's time: by operation counts, so that they are always
-/// the same.
+}  // namespace
+
+bool sums_in_double(double tol) {
+  return tol < kDoubleBelow;
+}
+
 int checked_nodes(const HeightField& surface, const DiskGrid& grid, const SpectralChoice& choice,
                   const SpectralWork& work) {
   constexpr double kPoint = 1.0, kButterfly = 0.1, kNode = 10,
@@ -34,8 +38,6 @@ int checked_nodes(const HeightField& surface, const DiskGrid& grid, const Spectr
                        kNode * nodes;
   return std::clamp(static_cast<int>(0.15 * table / (kCell * cells)), kFewest, kMost);
 }
-
-}  // namespace
 
 SpectralChoice refine(SpectralChoice choice, double excess) {
   const double finer = choice.subdivision * std::clamp(std::pow(2 * excess, 0.25), 1.25, 2.0);
@@ -73,19 +75,24 @@ SpectralSolver::SpectralSolver(const DiskGrid& grid, double lambda_q, double tol
 SpectralSolver::~SpectralSolver() = default;
 
 KirchhoffTable SpectralSolver::operator()(const HeightField& surface, std::uint64_t seed) {
+  return (*this)(Window{surface, {}}, seed);
+}
+
+KirchhoffTable SpectralSolver::operator()(const Window& window, std::uint64_t seed) {
   const Stopwatch watch;
+  const HeightField& surface = window.surface;
   kirchhoff_area(surface);
   KirchhoffTable result;
   result.choice = choose_spectral(surface, grid_, lambda_q_, tol_);
   for (int attempt = 0; attempt <= kRefinements; ++attempt) {
-    DiskDensity density = tol_ < kDoubleBelow
-                              ? transform_disk(surface, grid_, lambda_q_, result.choice, memory_->twofold)
-                              : transform_disk(surface, grid_, lambda_q_, result.choice, memory_->single);
+    DiskDensity density = sums_in_double(tol_)
+                              ? transform_disk(window, grid_, lambda_q_, result.choice, memory_->twofold)
+                              : transform_disk(window, grid_, lambda_q_, result.choice, memory_->single);
     result.table = std::move(density.table);
     result.work = density.work;
     result.cost.evaluations += density.work.transforms;
     const int nodes = checked_nodes(surface, grid_, result.choice, density.work);
-    result.error = sample_error(surface, result.table, lambda_q_, tol_, nodes, seed);
+    result.error = sample_error(window, result.table, lambda_q_, tol_, nodes, seed);
     result.reached = result.error.within(tol_);
     // A dozen nodes know the error to some 30 %.
     constexpr double kMargin = 0.8;

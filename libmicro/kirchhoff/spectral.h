@@ -36,6 +36,8 @@ class SpectralSolver {
   /// InputError if the surface has no triangle, or if the grid is so coarse for this wavelength that a table
   /// would take hours: the message says how far out the table may go instead.
   KirchhoffTable operator()(const HeightField& surface, std::uint64_t seed = 0);
+  /// The same of a coherent window, tapered or not.
+  KirchhoffTable operator()(const Window& window, std::uint64_t seed = 0);
 
  private:
   struct Memory;
@@ -53,5 +55,13 @@ SpectralChoice choose_spectral(const HeightField& surface, const DiskGrid& grid,
 /// The next finer choice for a table whose error is `excess` times what it may be: the quadrature's error
 /// falls as the fourth power of the subdivision, aliases more slowly. The same one if there is none.
 SpectralChoice refine(SpectralChoice choice, double excess);
+
+/// Nodes whose exact values take some 15 % of a table's time: by operation counts, so that they are always
+/// the same.
+int checked_nodes(const HeightField& surface, const DiskGrid& grid, const SpectralChoice& choice,
+                  const SpectralWork& work);
+
+/// Whether a tolerance takes double precision.
+bool sums_in_double(double tol);
 
 }  // namespace micro

@@ -1,0 +1,49 @@
+#include "distribution/weighted_mean.h"
+
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace micro {
+
+WeightedMean::WeightedMean(Eigen::Index rows, Eigen::Index cols) {
+  sum_ = sum_weight_ = sum_square_ = Grid<double>::Zero(rows, cols);
+}
+
+void WeightedMean::add(const Grid<double>& values, double weight) {
+  assert(values.rows() == sum_.rows() && values.cols() == sum_.cols());
+  if (!(weight > 0)) return;
+  ++count_;
+  weight_ += weight;
+  weight2_ += weight * weight;
+  // Most of a narrow lobe's table is zero, and zero adds nothing to any sum.
+  for (Eigen::Index k = 0; k < values.size(); ++k) {
+    const double d = values.data()[k];
+    if (d == 0) continue;
+    const double area_d = weight * d;
+    sum_.data()[k] += area_d;
+    sum_weight_.data()[k] += weight * area_d;
+    sum_square_.data()[k] += area_d * area_d;
+  }
+}
+
+Grid<double> WeightedMean::mean() const {
+  return weight_ > 0 ? Grid<double>(sum_ / weight_) : sum_;
+}
+
+std::optional<Grid<double>> WeightedMean::standard_error() const {
+  if (count_ < 2) return std::nullopt;
+  const double n = static_cast<double>(count_);
+  Grid<double> error(sum_.rows(), sum_.cols());
+  for (Eigen::Index k = 0; k < error.size(); ++k) {
+    const double mean = sum_.data()[k] / weight_;
+    const double square = sum_square_.data()[k], spread = mean * mean * weight2_;
+    const double variance = square - 2 * mean * sum_weight_.data()[k] + spread;
+    // Below the rounding of the sums the scans agree.
+    const double rounding = 4 * n * std::numeric_limits<double>::epsilon() * (square + spread);
+    error.data()[k] = variance > rounding ? std::sqrt(n / (n - 1) * variance) / weight_ : 0;
+  }
+  return error;
+}
+
+}  // namespace micro

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/grid.h"
+
+namespace micro {
+
+/// The weighted mean of arrays of one shape over scans, and its standard error. Running sums are double;
+/// memory does not grow with the number of arrays.
+class WeightedMean {
+ public:
+  WeightedMean(Eigen::Index rows, Eigen::Index cols);
+
+  /// Adds one scan's array with its weight, A_perp in µm². A weight of zero (no surface) is counted nowhere.
+  void add(const Grid<double>& values, double weight);
+
+  std::int64_t count() const { return count_; }
+  double weight() const { return weight_; }  ///< ΣA_perp, µm²
+
+  /// D̄ = Σ A·D / Σ A.
+  Grid<double> mean() const;
+
+  /// Standard error of D̄ over n scans: √(n/(n−1)·Σ A²(D − D̄)²) / ΣA. Nothing if there are fewer than two.
+  std::optional<Grid<double>> standard_error() const;
+
+ private:
+  std::int64_t count_ = 0;
+  double weight_ = 0, weight2_ = 0;             // Σ A, Σ A²
+  Grid<double> sum_, sum_weight_, sum_square_;  // Σ A·D, Σ A²·D, Σ A²·D²
+};
+
+}  // namespace micro
