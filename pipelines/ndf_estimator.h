@@ -9,8 +9,7 @@
 
 #include "distribution/disk_table.h"
 #include "height/height_field.h"
-#include "kirchhoff/coherence.h"
-#include "kirchhoff/error_sample.h"
+#include "pipelines/kirchhoff_estimate.h"
 
 namespace micro {
 
@@ -20,13 +19,6 @@ struct Naive {};
 /// The filtered geometric NDF [Dong15 §5.1].
 struct Filtered {
   double sigma = 1;  ///< µm
-};
-
-/// The Kirchhoff distribution D_K [Dong15 Eq. 6] at one |q| = 4π/λ_q, by the spectral estimator.
-struct Kirchhoff {
-  double lambda_q = 0.555;  ///< µm
-  double tolerance = 1e-3;  ///< relative L2 error of D over the table, and without its coherent core
-  Coherence coherence = WholePatch{};  ///< WholePatch or SubWindows
 };
 
 /// One table to compute, and the name of its group under /ndf.
@@ -39,23 +31,20 @@ struct NdfMethod {
 /// "filtered".
 std::string filtered_name(double sigma);
 
-/// How a method's table comes about: "triangles", "plane fits" or "spectral".
-std::string_view estimator_of(const NdfMethod& method);
-
 /// One method's outcome on one scan.
 struct ScanNdf {
   DiskTable density;
   std::int64_t samples = 0, outside = 0, without_normal = 0;
   std::optional<double> truncation_error;
-  std::optional<ErrorSample> kirchhoff_error;
-  std::int64_t unreached = 0;  ///< tables of D_K that missed their tolerance
+  std::optional<KirchhoffEstimate> kirchhoff;  ///< without its density
   double seconds = 0;
 };
 
 /// One method on one grid, ready for any number of scans, from several threads at once.
 class NdfEstimator {
  public:
-  NdfEstimator(const NdfMethod& method, const DiskGrid& grid);
+  /// `spared`: for D_K, the larger table that the grid is a part of.
+  NdfEstimator(const NdfMethod& method, const DiskGrid& grid, std::optional<DiskGrid> spared = {});
   ~NdfEstimator();
   NdfEstimator(NdfEstimator&&) noexcept;
 
@@ -66,14 +55,13 @@ class NdfEstimator {
   ScanNdf operator()(const HeightField& surface) const;
 
  private:
-  class Solvers;
   ScanNdf compute(const Naive& naive, const HeightField& surface) const;
   ScanNdf compute(const Filtered& filtered, const HeightField& surface) const;
   ScanNdf compute(const Kirchhoff& kirchhoff, const HeightField& surface) const;
 
   NdfMethod method_;
   DiskGrid grid_;
-  std::unique_ptr<Solvers> solvers_;  // of D_K, else null
+  std::unique_ptr<KirchhoffScans> kirchhoff_;  // of D_K, else null
 };
 
 }  // namespace micro

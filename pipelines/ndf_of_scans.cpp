@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <iomanip>
-#include <map>
+#include <memory>
 #include <new>
 #include <numbers>
 #include <sstream>
@@ -12,8 +11,7 @@
 #include "core/error.h"
 #include "core/estimate.h"
 #include "core/parallel.h"
-#include "distribution/compare.h"
-#include "distribution/table_mean.h"
+#include "distribution/directions.h"
 #include "height/statistics.h"
 #include "height/triangles.h"
 #include "io/sha256.h"
@@ -29,15 +27,10 @@ struct ScanOutcome {
   double area = 0;  // A_perp, µm²
   std::vector<std::optional<ScanNdf>> ndfs;
   std::vector<std::string> refusals;  // for each method: why it is left out on this scan, or empty
+  std::optional<KirchhoffEstimate> directions;
+  std::string directions_refusal;
   std::optional<Picture> thumbnail;
 };
-
-/// sinθ of the half vectors that a pitch resolves: a geometric NDF has its facets' own slopes, D_K needs half
-/// a fringe from point to point [λ_q/(4·pitch)].
-double valid_sin_theta(const NdfMethod& method, double pitch) {
-  const auto* kirchhoff = std::get_if<Kirchhoff>(&method.kind);
-  return kirchhoff ? std::min(1., kirchhoff->lambda_q / (4 * pitch)) : 1;
-}
 
 /// Why a scan is not part of the result: what the exception in flight says, without the file's name.
 std::string failure() {
@@ -52,8 +45,14 @@ std::string failure() {
   }
 }
 
-ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request,
-                    const std::vector<NdfEstimator>& estimators, bool thumbnail) {
+/// What is asked of every scan.
+struct Estimators {
+  std::vector<NdfEstimator> tables;
+  std::unique_ptr<KirchhoffScans> directions;
+};
+
+ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Estimators& estimators,
+                    bool thumbnail) {
   ScanOutcome outcome;
   ScanRecord& record = outcome.record;
   record.source = scan.source;
@@ -78,17 +77,24 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request,
     }
     outcome.area = projected_area(surface);
     if (!(outcome.area > 0)) throw FileError(scan.path, "has no three neighbouring points, so no surface");
-    for (std::size_t m = 0; m < request.methods.size(); ++m) {
+    const auto unless_unfit = [&](std::string& refusal, const auto& estimate) {
       try {
-        outcome.ndfs[m] = estimators[m](surface);
-        if (outcome.ndfs[m]->samples == 0) outcome.refusals[m] = "no point's neighbours determine a plane";
+        estimate();
       } catch (const FileError&) {
         throw;
       } catch (const InputError& error) {
         if (request.unfit == NdfRequest::Unfit::Fail) throw FileError(scan.path, error.what());
-        outcome.refusals[m] = error.what();
+        refusal = error.what();
       }
-    }
+    };
+    for (std::size_t m = 0; m < request.methods.size(); ++m)
+      unless_unfit(outcome.refusals[m], [&] {
+        outcome.ndfs[m] = estimators.tables[m](surface);
+        if (outcome.ndfs[m]->samples == 0) outcome.refusals[m] = "no point's neighbours determine a plane";
+      });
+    if (estimators.directions)
+      unless_unfit(outcome.directions_refusal,
+                   [&] { outcome.directions = (*estimators.directions)(surface); });
     if (thumbnail) outcome.thumbnail = thumbnail_of(surface);
   } catch (...) {
     record.failure = failure();
@@ -110,16 +116,18 @@ ScanOutcome look_at_pitch(const ListedScan& scan, const NdfRequest& request) {
   return outcome;
 }
 
-/// The larger pitch of the first scan that can be read, µm.
+/// The larger pitch of the first scan that can be read, or of all of them where they may differ, µm.
 std::optional<double> pitch_of(const ScanListing& listing, const NdfRequest& request) {
+  std::optional<double> coarsest;
   for (const ListedScan& scan : listing.scans)
     try {
       const HeightField surface = read_scan(scan.path, request.prepare.read).surface;
-      return std::max(surface.dx, surface.dy);
+      coarsest = std::max({coarsest.value_or(0), surface.dx, surface.dy});
+      if (request.pitches == NdfRequest::Pitches::MustAgree) break;
     } catch (const std::exception&) {
       continue;  // it is reported when its turn comes
     }
-  return std::nullopt;
+  return coarsest;
 }
 
 /// All of the disk that the data can tell of: D_K ends where the grid of points throws its first false order.
@@ -128,10 +136,24 @@ double whole_extent(const NdfMethod& method, std::optional<double> pitch) {
   return kirchhoff && pitch ? std::min(1., kirchhoff->lambda_q / (2 * *pitch)) : 1;
 }
 
-std::vector<NdfEstimator> make_estimators(const NdfRequest& request, const std::vector<DiskGrid>& grids) {
-  std::vector<NdfEstimator> estimators;
+/// A method's grid, and all of the disk that the data can tell of with nodes as dense.
+struct GridOfMethod {
+  DiskGrid grid;
+  std::optional<DiskGrid> spared;  // if it is more
+};
+
+GridOfMethod make_grid(int size, double extent, double whole) {
+  GridOfMethod grid{{size, extent}, {}};
+  if (extent < whole)
+    grid.spared = {static_cast<int>(std::min(2 * std::ceil((size - 1) / 2 * whole / extent) + 1, 1e9)),
+                   whole};
+  return grid;
+}
+
+Estimators make_estimators(const NdfRequest& request, const std::vector<GridOfMethod>& grids) {
+  Estimators estimators;
   for (std::size_t m = 0; m < grids.size(); ++m)
-    estimators.emplace_back(request.methods[m], grids[m]);
+    estimators.tables.emplace_back(request.methods[m], grids[m].grid, grids[m].spared);
   return estimators;
 }
 
@@ -143,10 +165,10 @@ std::vector<double> survey(const ScanListing& listing, const NdfRequest& request
   constexpr double kEnergy = 0.999, kMargin = 1.25;  // the margin is for what other scans may hold
   NdfRequest brief = request;
   brief.statistics = NdfRequest::Statistics::LeaveOut;
-  std::vector<DiskGrid> grids;
+  std::vector<GridOfMethod> grids;
   for (const double extent : whole)
-    grids.push_back({std::min(request.size, kCoarse), extent});
-  const std::vector<NdfEstimator> estimators = make_estimators(brief, grids);
+    grids.push_back(make_grid(std::min(request.size, kCoarse), extent, extent));
+  const Estimators estimators = make_estimators(brief, grids);
   std::vector<double> extents(whole.size(), 0.);
   const std::size_t surveyed = std::min(kSurveyed, listing.scans.size());
   parallel_in_order(
@@ -170,22 +192,22 @@ std::vector<double> survey(const ScanListing& listing, const NdfRequest& request
 }
 
 /// The grid of each method.
-std::vector<DiskGrid> choose_grids(const ScanListing& listing, const NdfRequest& request) {
-  std::vector<double> extents;
-  if (const auto* extent = std::get_if<double>(&request.extent)) {
+std::vector<GridOfMethod> choose_grids(const ScanListing& listing, const NdfRequest& request) {
+  const bool needs_pitch =
+      std::any_of(request.methods.begin(), request.methods.end(),
+                  [](const NdfMethod& method) { return std::holds_alternative<Kirchhoff>(method.kind); });
+  const std::optional<double> pitch = needs_pitch ? pitch_of(listing, request) : std::nullopt;
+  std::vector<double> whole;
+  for (const NdfMethod& method : request.methods)
+    whole.push_back(whole_extent(method, pitch));
+  std::vector<double> extents = whole;
+  if (const auto* extent = std::get_if<double>(&request.extent))
     extents.assign(request.methods.size(), *extent);
-  } else {
-    const bool needs_pitch =
-        std::any_of(request.methods.begin(), request.methods.end(),
-                    [](const NdfMethod& method) { return std::holds_alternative<Kirchhoff>(method.kind); });
-    const std::optional<double> pitch = needs_pitch ? pitch_of(listing, request) : std::nullopt;
-    for (const NdfMethod& method : request.methods)
-      extents.push_back(whole_extent(method, pitch));
-    if (std::holds_alternative<HoldsEnergy>(request.extent)) extents = survey(listing, request, extents);
-  }
-  std::vector<DiskGrid> grids;
-  for (const double extent : extents)
-    grids.push_back({request.size, extent});
+  else if (std::holds_alternative<HoldsEnergy>(request.extent))
+    extents = survey(listing, request, whole);
+  std::vector<GridOfMethod> grids;
+  for (std::size_t m = 0; m < extents.size(); ++m)
+    grids.push_back(make_grid(request.size, extents[m], whole[m]));
   return grids;
 }
 
@@ -202,69 +224,18 @@ DiskGrid spectrum_grid(const ScanListing& listing, const NdfRequest& request) {
   brief.methods.clear();
   for (const double lambda : ends)
     brief.methods.push_back({"kirchhoff", Kirchhoff{lambda, request.spectrum->tolerance}});
-  const std::vector<DiskGrid> grids = choose_grids(listing, brief);
+  const std::vector<GridOfMethod> grids = choose_grids(listing, brief);
   const bool energy = std::holds_alternative<HoldsEnergy>(request.extent);
-  return {request.size, energy ? std::max(grids[0].extent, grids[1].extent) : grids[0].extent};
+  return {request.size, energy ? std::max(grids[0].grid.extent, grids[1].grid.extent) : grids[0].grid.extent};
 }
 
-/// Running sums of one method over all scans.
-struct Accumulator {
-  NdfOfScans ndf;
-  TableMean mean;
-  std::int64_t outside_count = 0, unreached = 0;
-  std::optional<ErrorSample> kirchhoff_error;
-  double pitch = 0;  // the largest, µm
-  std::map<std::string, std::int64_t> refusals;
-
-  Accumulator(const NdfMethod& method, const DiskGrid& grid) : mean(grid) { ndf.method = method; }
-
-  void add(const ScanOutcome& outcome, std::size_t m) {
-    if (!outcome.refusals[m].empty()) ++refusals[outcome.refusals[m]];
-    if (!outcome.ndfs[m] || outcome.ndfs[m]->samples == 0) return;
-    const ScanNdf& scan = *outcome.ndfs[m];
-    mean.add(scan.density, outcome.area);
-    ndf.samples += scan.samples;
-    outside_count += scan.outside;
-    ndf.without_normal += scan.without_normal;
-    if (scan.truncation_error)
-      ndf.truncation_error = std::max(ndf.truncation_error.value_or(0), *scan.truncation_error);
-    if (scan.kirchhoff_error) {
-      if (!kirchhoff_error) kirchhoff_error.emplace();
-      *kirchhoff_error += *scan.kirchhoff_error;
-    }
-    unreached += scan.unreached;
-    pitch = std::max({pitch, outcome.record.dx, outcome.record.dy});
-    ndf.seconds += scan.seconds;
-  }
-
-  NdfOfScans finish() {
-    ndf.density = mean.mean();
-    ndf.standard_error = mean.standard_error();
-    ndf.scans = mean.count();
-    ndf.area = mean.weight();
-    ndf.outside = ndf.samples > 0 ? static_cast<double>(outside_count) / static_cast<double>(ndf.samples) : 0;
-    if (pitch > 0) ndf.valid_sin_theta = valid_sin_theta(ndf.method, pitch);
-    if (kirchhoff_error)
-      ndf.rel_error = std::max(kirchhoff_error->error(), kirchhoff_error->error_core_free());
-    ndf.unreached = unreached;
-    return std::move(ndf);
-  }
-};
-
-std::string count(std::int64_t n, const std::string& what) {
-  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
-}
-
-Stage ran(std::string name, std::string reason) {
-  return {Stage::Outcome::Ran, std::move(name), std::move(reason)};
-}
-
-Stage left_out(std::string name, std::string reason) {
-  return {Stage::Outcome::LeftOut, std::move(name), std::move(reason)};
-}
-
-Stage stage_if(bool done, std::string name, std::string reason) {
-  return done ? ran(std::move(name), std::move(reason)) : left_out(std::move(name), std::move(reason));
+/// The half vectors that are asked for.
+std::vector<Vec3> choose_directions(const ScanListing& listing, const NdfRequest& request) {
+  if (const auto* given = std::get_if<std::vector<Vec3>>(&request.directions->directions)) return *given;
+  NdfRequest table = request;
+  table.methods = {{"kirchhoff", request.directions->kirchhoff}};
+  return spread_directions(std::get<int>(request.directions->directions),
+                           choose_grids(listing, table).front().grid.extent);
 }
 
 /// The stages before the methods.
@@ -280,14 +251,14 @@ Plan plan_of_scans(const std::vector<ScanRecord>& scans, const NdfRequest& reque
   }
   const Preparation& prepare = request.prepare;
   Plan plan;
-  plan.push_back(ran("read", count(read, "scan") + ", " + count(missing, "missing point")));
+  plan.push_back(ran("read", counted(read, "scan") + ", " + counted(missing, "missing point")));
   plan.push_back(prepare.level == Level::None ? left_out("level", "--level none")
                                               : ran("level", std::string(name_of(prepare.level))));
   plan.push_back(prepare.outlier_threshold
-                     ? ran("outlier rejection", count(rejected, "point") + " made missing")
+                     ? ran("outlier rejection", counted(rejected, "point") + " made missing")
                      : left_out("outlier rejection", "not asked for"));
   plan.push_back(prepare.holes == Preparation::Holes::Fill
-                     ? ran("hole filling", count(filled, "point") + " filled")
+                     ? ran("hole filling", counted(filled, "point") + " filled")
                      : left_out("hole filling", missing > 0 ? "not asked for" : "no point is missing"));
   plan.push_back(
       stage_if(request.statistics == NdfRequest::Statistics::Compute, "statistics",
@@ -298,43 +269,27 @@ Plan plan_of_scans(const std::vector<ScanRecord>& scans, const NdfRequest& reque
   if (filters)
     plan.push_back(stage_if(with_holes > 0, "masked moments",
                             with_holes > 0
-                                ? count(with_holes, "scan") + " with missing points, near these"
+                                ? counted(with_holes, "scan") + " with missing points, near these"
                                 : "no point is missing: two convolutions and border profiles are enough"));
   return plan;
-}
-
-Stage stage_of(const NdfOfScans& ndf, const std::map<std::string, std::int64_t>& refusals) {
-  std::string refused;
-  for (const auto& [reason, scans] : refusals)
-    refused += (refused.empty() ? "" : "; ") + count(scans, "scan") + " left out: " + reason;
-  if (ndf.scans == 0)
-    return left_out(ndf.method.name + " NDF", refused.empty() ? "no scan could be used" : refused);
-  const bool kirchhoff = std::holds_alternative<Kirchhoff>(ndf.method.kind);
-  std::string done =
-      count(ndf.scans, "scan") + ", " + count(ndf.samples, kirchhoff ? "coherent window" : "normal");
-  if (ndf.unreached > 0) done += ", " + std::to_string(ndf.unreached) + " of them missed the tolerance";
-  if (ndf.without_normal > 0) done += ", " + count(ndf.without_normal, "point") + " without a normal";
-  if (ndf.truncation_error) {
-    std::ostringstream bound;
-    bound << std::setprecision(2) << *ndf.truncation_error;
-    done += ", slopes within " + bound.str() + " of uncut windows'";
-  }
-  // A lobe that falls between the nodes has no shape in the table, and D_K's normalisation not even its mass.
-  const LobeWidth width = lobe_width(ndf.density);
-  const double spacing = ndf.density.grid.spacing();
-  if (!(width.x >= spacing && width.y >= spacing) || (kirchhoff && !(normalization(ndf.density) < 1.1)))
-    done += "; its lobe is narrower than a few nodes of the table, --extent auto resolves it";
-  return ran(ndf.method.name + " NDF", done + (refused.empty() ? "" : "; " + refused));
 }
 
 }  // namespace
 
 NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
                        const std::function<void(const Progress&)>& report) {
-  const std::vector<NdfEstimator> estimators = make_estimators(request, choose_grids(listing, request));
-  std::vector<Accumulator> accumulators;
-  for (const NdfEstimator& estimator : estimators)
-    accumulators.emplace_back(estimator.method(), estimator.grid());
+  const std::vector<GridOfMethod> grids = choose_grids(listing, request);
+  Estimators estimators = make_estimators(request, grids);
+  std::vector<NdfMean> means;
+  for (std::size_t m = 0; m < grids.size(); ++m)
+    means.emplace_back(request.methods[m], grids[m].grid, grids[m].spared);
+  std::optional<DirectionsMean> directions;
+  if (request.directions) {
+    const std::vector<Vec3> h = choose_directions(listing, request);
+    const DiskGrid table = {request.size, 1};
+    directions.emplace(request.directions->kirchhoff, h, table);
+    estimators.directions = std::make_unique<KirchhoffScans>(request.directions->kirchhoff, h, table);
+  }
 
   NdfResult result;
   PitchGroups pitches;
@@ -353,8 +308,13 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
           refused = pitches.mixed() && request.pitches == NdfRequest::Pitches::MustAgree;
         }
         if (!outcome.record.failure && !refused) {
-          for (std::size_t m = 0; m < accumulators.size(); ++m)
-            accumulators[m].add(outcome, m);
+          const double pitch = std::max(outcome.record.dx, outcome.record.dy);
+          for (std::size_t m = 0; m < means.size(); ++m) {
+            if (!outcome.refusals[m].empty()) means[m].refuse(outcome.refusals[m]);
+            if (outcome.ndfs[m]) means[m].add(*outcome.ndfs[m], outcome.area, pitch);
+          }
+          if (!outcome.directions_refusal.empty()) directions->refuse(outcome.directions_refusal);
+          if (outcome.directions) directions->add(*outcome.directions, outcome.area, pitch);
           if (outcome.thumbnail) result.thumbnails.push_back(std::move(*outcome.thumbnail));
         }
         result.scans.push_back(std::move(outcome.record));
@@ -368,10 +328,16 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
   }
 
   result.plan = plan_of_scans(result.scans, request);
-  for (Accumulator& accumulator : accumulators) {
-    NdfOfScans ndf = accumulator.finish();
-    result.plan.push_back(stage_of(ndf, accumulator.refusals));
-    if (ndf.scans > 0) result.ndfs.push_back(std::move(ndf));
+  const auto add_stages = [&](Plan stages) {
+    result.plan.insert(result.plan.end(), stages.begin(), stages.end());
+  };
+  for (const NdfMean& mean : means) {
+    add_stages(mean.plan());
+    if (mean.count() > 0) result.ndfs.push_back(mean.finish());
+  }
+  if (directions) {
+    add_stages(directions->plan());
+    result.directions = directions->finish();
   }
   if (request.spectrum) {
     SpectrumOutcome outcome = kirchhoff_spectrum(
@@ -387,6 +353,7 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
   }
   const bool errors = std::any_of(result.ndfs.begin(), result.ndfs.end(),
                                   [](const NdfOfScans& ndf) { return ndf.standard_error.has_value(); }) ||
+                      (result.directions && result.directions->standard_error) ||
                       (result.spectrum && result.spectrum->mean.count() > 1);
   result.plan.push_back(
       stage_if(errors, "standard error", errors ? "over scans" : "needs two scans or more"));
@@ -397,8 +364,9 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
       const Stopwatch stopwatch;
       NdfOfScans blurred = result.ndfs[k];
       blurred.density = convolve(blurred.density, request.signature->signature);
-      blurred.standard_error
-          .reset();  // neighbouring nodes are correlated: it does not follow from the nodes' own
+      // Neighbouring nodes are correlated: errors of the blurred ones do not follow from the nodes' own.
+      blurred.standard_error.reset();
+      blurred.estimator_error.resize(0, 0);
       blurred.method.name += "_signature" + request.signature->name;
       blurred.signature = request.signature->name;
       blurred.outside = std::max(0., 1 - normalization(blurred.density));

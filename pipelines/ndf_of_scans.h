@@ -10,9 +10,10 @@
 #include "distribution/disk_table.h"
 #include "distribution/signature.h"
 #include "io/png.h"
+#include "pipelines/kirchhoff_directions.h"
 #include "pipelines/kirchhoff_spectrum.h"
-#include "pipelines/ndf_estimator.h"
 #include "pipelines/ndf_fits.h"
+#include "pipelines/ndf_mean.h"
 #include "pipelines/plan.h"
 #include "pipelines/prepare_scan.h"
 #include "pipelines/scan_listing.h"
@@ -34,8 +35,9 @@ using Extent = std::variant<WholeDisk, HoldsEnergy, double>;
 /// Everything that decides the outcome of a run; what is absent is neither computed nor stored.
 struct NdfRequest {
   std::vector<NdfMethod> methods;
-  std::optional<SpectrumRequest> spectrum;  ///< D_K at many wavelengths
-  int size = 1025;                          ///< nodes along a side of the disk table
+  std::optional<DirectionsRequest> directions;  ///< D_K at chosen half vectors, without a table
+  std::optional<SpectrumRequest> spectrum;      ///< D_K at many wavelengths
+  int size = 1025;                              ///< nodes along a side of the disk table
   Extent extent = WholeDisk{};
   Preparation prepare;
   std::optional<NamedSignature> signature;
@@ -59,34 +61,17 @@ struct ScanRecord {
   std::optional<std::string> failure;     ///< why it is not part of the result; does not repeat its name
 };
 
-/// One table over all scans.
-struct NdfOfScans {
-  NdfMethod method;
-  DiskTable density;                           ///< 1/sr
-  std::optional<Grid<double>> standard_error;  ///< 1/sr, over scans
-  std::int64_t scans = 0;
-  double area = 0;                         ///< Σ A_perp, µm²
-  double outside = 0;                      ///< fraction of the samples beyond the extent
-  std::int64_t samples = 0;                ///< normals counted
-  std::int64_t without_normal = 0;         ///< points whose neighbours determine no plane
-  std::optional<double> truncation_error;  ///< bound on a slope's error from cutting the window
-  std::int64_t unreached = 0;              ///< tables of D_K that missed their tolerance
-  double valid_sin_theta = 1;              ///< beyond it the pitch does not resolve the surface
-  double rel_error = 0;                    ///< relative error of the estimator; 0: exact but for rounding
-  double seconds = 0;                      ///< of computing it, summed over scans
-  std::optional<std::string> signature;    ///< name of the signature that it was blurred with
-};
-
 struct NdfResult {
   std::vector<ScanRecord> scans;  ///< in the order of the listing
   std::vector<NdfOfScans> ndfs;
   std::optional<NdfFits> fits;  ///< of every NDF; ndf_of_scans leaves them out
+  std::optional<DirectionsOfScans> directions;
   std::optional<SpectrumOfScans> spectrum;
   std::vector<Picture> thumbnails;
   Plan plan;
 
-  /// Whether there is any normal distribution in it.
-  bool empty() const { return ndfs.empty() && !spectrum; }
+  /// Whether there is no normal distribution in it.
+  bool empty() const { return ndfs.empty() && !directions && !spectrum; }
 };
 
 /// Told after each scan.

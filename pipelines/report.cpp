@@ -41,7 +41,7 @@ void add_ndfs(std::ostringstream& text, const NdfResult& result) {
        << "| method | estimator | scans | extent | ∫D m_z dω | relative error | seconds "
           "|\n|---|---|---|---|---|---|---|\n";
   for (const NdfOfScans& ndf : result.ndfs)
-    text << "| " << ndf.method.name << " | " << estimator_of(ndf.method) << " | " << ndf.scans << " | "
+    text << "| " << ndf.method.name << " | " << ndf.estimator << " | " << ndf.scans << " | "
          << number(ndf.density.grid.extent) << " | " << number(normalization(ndf.density)) << " | "
          << number(ndf.rel_error) << " | " << number(ndf.seconds) << " |\n";
   if (result.spectrum) {
@@ -53,6 +53,10 @@ void add_ndfs(std::ostringstream& text, const NdfResult& result) {
          << " | " << number(numbers.normalization) << " | " << number(numbers.rel_error) << " | "
          << number(spectrum.seconds) << " |\n";
   }
+  if (result.directions)
+    text << "| " << kDirectionsName << " (" << result.directions->h.size() << ") | "
+         << result.directions->estimator << " | " << result.directions->scans << " | – | – | "
+         << number(result.directions->rel_error) << " | " << number(result.directions->seconds) << " |\n";
 }
 
 }  // namespace

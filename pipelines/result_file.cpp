@@ -66,6 +66,44 @@ void write_table(Hdf5Writer& file, const std::string& group, const std::string& 
   file.attach_scale(dataset, 1, group + "/m_x", "m_x");
 }
 
+/// What D_K was asked for.
+void write_kirchhoff(Hdf5Writer& file, const std::string& group, const Kirchhoff& kirchhoff) {
+  file.set_attribute(group, "lambda_q_um", kirchhoff.lambda_q);
+  file.set_attribute(group, "tolerance", kirchhoff.tolerance);
+  const auto coherent = [&](std::string_view window, double area) {
+    file.set_attribute(group, "coherence_window", window);
+    file.set_attribute(group, "coherence_area_um2", area);
+  };
+  if (const auto* windows = std::get_if<SubWindows>(&kirchhoff.coherence)) coherent("square", windows->area);
+  if (const auto* taper = std::get_if<GaussianTaper>(&kirchhoff.coherence)) coherent("gaussian", taper->area);
+}
+
+void write_directions(Hdf5Writer& file, const DirectionsOfScans& directions) {
+  const std::string group = std::string("/ndf/") + kDirectionsName;
+  file.create_group(group);
+  const std::size_t n = directions.h.size();
+  std::vector<double> h;
+  for (const Vec3& direction : directions.h)
+    h.insert(h.end(), direction.begin(), direction.end());
+  file.write<double>(group + "/direction", h, {n, 3});
+  const auto write = [&](const char* name, const std::vector<double>& values) {
+    file.write<float>(group + "/" + name, std::vector<float>(values.begin(), values.end()), {n});
+  };
+  write("density", directions.density);
+  if (directions.standard_error) write("standard_error", *directions.standard_error);
+  write("estimator_error", directions.estimator_error);
+  const auto set = [&](const char* name, const auto& value) { file.set_attribute(group, name, value); };
+  set("unit", std::string_view("1/sr"));
+  set("area_um2", directions.area);
+  set("scans", directions.scans);
+  set("valid_sin_theta", directions.valid_sin_theta);
+  set("estimator", std::string_view(directions.estimator));
+  set("rel_error", directions.rel_error);
+  set("seconds", directions.seconds);
+  write_kirchhoff(file, group, directions.kirchhoff);
+  set("missed_tolerance", directions.unreached);
+}
+
 void write_ndf(Hdf5Writer& file, const NdfOfScans& ndf) {
   const std::string group = "/ndf/" + ndf.method.name;
   file.create_group(group);
@@ -77,6 +115,7 @@ void write_ndf(Hdf5Writer& file, const NdfOfScans& ndf) {
   }
   write_table(file, group, "density", ndf.density.density);
   if (ndf.standard_error) write_table(file, group, "standard_error", *ndf.standard_error);
+  if (ndf.estimator_error.size() > 0) write_table(file, group, "estimator_error", ndf.estimator_error);
   set("extent", ndf.density.grid.extent);
   set("unit", std::string_view("1/sr"));
   set("normalization", normalization(ndf.density));
@@ -85,7 +124,7 @@ void write_ndf(Hdf5Writer& file, const NdfOfScans& ndf) {
   set("samples", ndf.samples);
   set("outside_extent", ndf.outside);
   set("valid_sin_theta", ndf.valid_sin_theta);
-  set("estimator", std::string_view(estimator_of(ndf.method)));
+  set("estimator", std::string_view(ndf.estimator));
   set("rel_error", ndf.rel_error);
   set("seconds", ndf.seconds);
   if (const auto* filtered = std::get_if<Filtered>(&ndf.method.kind)) {
@@ -94,11 +133,8 @@ void write_ndf(Hdf5Writer& file, const NdfOfScans& ndf) {
     set("slope_truncation_error", ndf.truncation_error.value_or(0));
   }
   if (const auto* kirchhoff = std::get_if<Kirchhoff>(&ndf.method.kind)) {
-    set("lambda_q_um", kirchhoff->lambda_q);
-    set("tolerance", kirchhoff->tolerance);
+    write_kirchhoff(file, group, *kirchhoff);
     set("missed_tolerance", ndf.unreached);
-    if (const auto* windows = std::get_if<SubWindows>(&kirchhoff->coherence))
-      set("coherence_area_um2", windows->area);
   }
   if (ndf.signature) set("signature", std::string_view(*ndf.signature));
 }
@@ -120,6 +156,7 @@ void write_result(const std::filesystem::path& path, const NdfResult& result, co
     write_ndf(file, ndf);
   if (result.fits) write_fits(file, *result.fits);
   if (result.spectrum) write_spectrum(file, *result.spectrum);
+  if (result.directions) write_directions(file, *result.directions);
   file.write_text("/plan", to_json(result.plan));
   file.finish();
 }

@@ -25,5 +25,6 @@ Run add_ndf(CLI::App& app);
 Run add_fit(CLI::App& app);
 Run add_run(CLI::App& app);
 Run add_study(CLI::App& app);
+Run add_wave_study(CLI::App& app);  ///< of `study`
 
 }  // namespace micro::tools

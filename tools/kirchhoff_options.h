@@ -1,9 +1,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 
-#include "pipelines/ndf_estimator.h"
+#include "pipelines/kirchhoff_directions.h"
 #include "tools/spectrum_options.h"
 
 namespace micro::tools {
@@ -15,6 +16,8 @@ struct KirchhoffOptions {
   double theta_d = 0;  ///< radians
   double tolerance = 1e-3;
   std::string coherence = "patch";
+  std::string estimator;   ///< empty: the fastest
+  std::string directions;  ///< empty: a table
 };
 
 void add_kirchhoff_options(CLI::App& app, KirchhoffOptions& options);
@@ -25,5 +28,7 @@ Kirchhoff make_kirchhoff(const KirchhoffOptions& options);
 /// Whether the options ask for many wavelengths; then make_spectrum() is what they make.
 bool wants_spectrum(const KirchhoffOptions& options);
 SpectrumRequest make_spectrum(const KirchhoffOptions& options);
+/// The half vectors that --directions asks for, or nothing. Throws like make_kirchhoff, and FileError.
+std::optional<DirectionsRequest> make_directions(const KirchhoffOptions& options);
 
 }  // namespace micro::tools

@@ -124,13 +124,22 @@ NdfRequest request_of(const NdfOptions& options, const std::vector<std::string>&
   };
   for (const std::string& method : methods) {
     if (method == "naive") add({"naive", Naive{}});
-    if (method == "kirchhoff" && wants_spectrum(options.kirchhoff))
-      request.spectrum = make_spectrum(options.kirchhoff);
-    else if (method == "kirchhoff")
-      add({"kirchhoff", make_kirchhoff(options.kirchhoff)});
+    if (method == "kirchhoff") {
+      request.directions = make_directions(options.kirchhoff);
+      if (wants_spectrum(options.kirchhoff))
+        request.spectrum = make_spectrum(options.kirchhoff);
+      else if (!request.directions)
+        add({"kirchhoff", make_kirchhoff(options.kirchhoff)});
+    }
     if (method == "filtered")
       for (const double sigma : sigmas)
         add({sigma == sigmas.front() ? "filtered" : filtered_name(sigma), Filtered{sigma}});
+  }
+  if (request.directions && request.methods.empty()) {
+    if (request.signature)
+      throw CLI::ValidationError("--signature blurs tables, and --directions makes none");
+    if (!options.extent.empty() && !std::holds_alternative<int>(request.directions->directions))
+      throw CLI::ValidationError("--extent is for tables and --directions N, not for directions from a file");
   }
   return request;
 }
@@ -190,7 +199,7 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
     nlohmann::json methods = nlohmann::json::array();
     for (const NdfOfScans& ndf : result.ndfs) {
       methods.push_back({{"method", ndf.method.name},
-                         {"estimator", estimator_of(ndf.method)},
+                         {"estimator", ndf.estimator},
                          {"normalization", number(normalization(ndf.density))},
                          {"rel_error", number(ndf.rel_error)},
                          {"seconds", number(ndf.seconds)},
@@ -202,6 +211,17 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
       if (ndf.truncation_error) methods.back()["slope_truncation_error"] = number(*ndf.truncation_error);
     }
     if (result.spectrum) methods.push_back(spectrum_summary(*result.spectrum));
+    if (result.directions) {
+      const DirectionsOfScans& directions = *result.directions;
+      methods.push_back({{"method", kDirectionsName},
+                         {"estimator", directions.estimator},
+                         {"normalization", nullptr},
+                         {"rel_error", number(directions.rel_error)},
+                         {"seconds", number(directions.seconds)},
+                         {"extent", nullptr},
+                         {"directions", directions.h.size()},
+                         {"scans", directions.scans}});
+    }
     const nlohmann::json summary = {
         {"output", output.string()}, {"scans", done},
         {"failed", failed},          {"skipped", skipped_json(listing)},
@@ -212,6 +232,9 @@ int conclude(const NdfResult& result, const ScanListing& listing, const CommonOp
     for (const NdfOfScans& ndf : result.ndfs)
       std::printf("%s: normalization %.6g over sin(theta) <= %.4g, %.3g s\n", ndf.method.name.c_str(),
                   normalization(ndf.density), ndf.density.grid.extent, ndf.seconds);
+    if (result.directions)
+      std::printf("%s: %zu directions, %.3g s\n", kDirectionsName, result.directions->h.size(),
+                  result.directions->seconds);
     if (done > 0) std::printf("%s", to_text(result.plan).c_str());
     print_skipped(listing);
     if (!result.empty()) std::printf("%s\n", output.c_str());

@@ -74,9 +74,14 @@ Run add_study(CLI::App& app) {
     filters->remove_option(filters->get_option(name));
   // Both are about the filtered NDF.
   for (CLI::App* study : {sigma, filters})
-    for (const char* name : {"--theta-d", "--lambda", "--lambda-q", "--tol", "--coherence"})
+    for (const char* name :
+         {"--theta-d", "--lambda", "--lambda-q", "--tol", "--coherence", "--estimator", "--directions"})
       study->remove_option(study->get_option(name));
+  CLI::App* waves = app.add_subcommand(
+      "waves", "D_K against the filtered NDF on synthetic surfaces, measured and predicted [Dong15 §6.2]");
+  const Run run_waves = add_wave_study(*waves);
   return [=] {
+    if (waves->parsed()) return run_waves();
     if (filters->parsed())
       return conclude(study_filters(listing_of(*filter_options), make_request(filter_options->ndf, {}),
                                     progress_line(filter_options->common)),

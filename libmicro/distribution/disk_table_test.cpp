@@ -44,5 +44,17 @@ TEST(DiskTable, RefusesSizesThatHaveNoCentre) {
   EXPECT_THROW(make_disk_table({1025, 1.5}), InputError);
 }
 
+TEST(DiskTable, CountsItsNodesOnTheDisk) {
+  for (const int size : {3, 5, 17, 65, 129})
+    for (const double extent : {0.01, 0.5, 0.7, 0.7072, 0.8, 1.0}) {
+      const DiskGrid grid{size, extent};
+      std::int64_t nodes = 0;
+      for (Eigen::Index j = 0; j < size; ++j)
+        for (Eigen::Index i = 0; i < size; ++i)
+          nodes += grid.mz2(j, i) > 0;
+      EXPECT_EQ(disk_nodes(grid), nodes) << size << " " << extent;
+    }
+}
+
 }  // namespace
 }  // namespace micro

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/random.h"
 #include "kirchhoff/kirchhoff.h"
+#include "kirchhoff/spectral.h"
 #include "testing/cosine_surface.h"
 #include "testing/gaussian_surface.h"
 
