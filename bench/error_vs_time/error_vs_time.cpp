@@ -1,10 +1,13 @@
 // Error against run time of every estimator, as CSV: see curve.h for the columns and docs/accuracy.md for
 // what they say. `bench/accuracy.sh` runs it and draws the curves.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <string>
 #include <vector>
 
+#include "error_vs_time/fit_curves.h"
 #include "error_vs_time/kirchhoff_curves.h"
 
 namespace {
@@ -26,6 +29,11 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "CSV file to write")->required();
   app.add_option("--most-seconds", most_seconds, "A sweep ends with the first point that took longer")
       ->capture_default_str();
+  std::vector<std::string> parts = {"kirchhoff", "fit"};
+  app.add_option("--part", parts, "kirchhoff, or fit with masking and sampling; repeatable")
+      ->check(CLI::IsMember({"kirchhoff", "fit"}))
+      ->allow_extra_args(false)
+      ->capture_default_str();
   app.add_option("SCAN", scans, "Real scans, beside the made surfaces");
   CLI11_PARSE(app, argc, argv);
 
@@ -39,8 +47,13 @@ int main(int argc, char** argv) {
     write(csv, point);
     say(point);
   };
-  for (const auto& surfaces : {made_surfaces(), real_surfaces(scans)})
-    for (const NamedSurface& surface : surfaces)
-      kirchhoff_curves(surface, most_seconds, report);
+  const auto wants = [&](const char* part) {
+    return std::find(parts.begin(), parts.end(), part) != parts.end();
+  };
+  if (wants("fit")) fit_curves(report);
+  if (wants("kirchhoff"))
+    for (const auto& surfaces : {made_surfaces(), real_surfaces(scans)})
+      for (const NamedSurface& surface : surfaces)
+        kirchhoff_curves(surface, most_seconds, report);
   std::fclose(csv);
 }
