@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 cmake --preset release -DMICRO_BENCH=ON >/dev/null
-cmake --build --preset release --target microbrdf ndf_bench kirchhoff_bench monte_carlo_bench >/dev/null
+cmake --build --preset release --target microbrdf ndf_bench kirchhoff_bench monte_carlo_bench fit_bench >/dev/null
 microbrdf=$PWD/build/release/microbrdf
 work=${1:-$(mktemp -d)}
 [[ $# -gt 0 ]] || trap 'rm -rf "$work"' EXIT
@@ -27,7 +27,7 @@ cat "$work"/scans/*.dat >/dev/null
 timed "filtered NDF of 400 scans, disk to result" "$microbrdf" ndf "$work/scans" -o "$work/filtered.h5" --method filtered
 timed "filtered NDF of 16 scans, disk to result" "$microbrdf" ndf "$work/few" -o "$work/filtered16.h5" --method filtered
 timed "D_K of 16 scans, the whole disk, tol 1e-3" "$microbrdf" ndf "$work/few" -o "$work/kirchhoff.h5" --method kirchhoff
-for bench in ndf_bench kirchhoff_bench monte_carlo_bench; do
+for bench in ndf_bench kirchhoff_bench monte_carlo_bench fit_bench; do
   [[ ! -x build/release/bench/$bench ]] || "build/release/bench/$bench" --benchmark_min_time=0.5 2>/dev/null
 done
 if pkg-config --exists gobject-2.0 && [[ -f /usr/include/gwyddion/libprocess/filters.h ]]; then

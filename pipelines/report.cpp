@@ -59,6 +59,20 @@ void add_ndfs(std::ostringstream& text, const NdfResult& result) {
          << number(result.directions->rel_error) << " | " << number(result.directions->seconds) << " |\n";
 }
 
+void add_fits(std::ostringstream& text, const NdfFits& fits) {
+  text << "\n## Fits\n\n"
+       << "| method | model | alpha_x | alpha_y | theta_x | theta_y | theta_z | relative rms | status "
+          "|\n|---|---|---|---|---|---|---|---|---|\n";
+  for (const NdfFit& ndf_fit : fits.fits) {
+    const EllipsoidParameters& p = ndf_fit.fit.parameters;
+    text << "| " << ndf_fit.method << " | " << name_of(ndf_fit.fit.model) << " | " << number(p.alpha_x)
+         << " | " << number(p.alpha_y) << " | " << number(p.theta_x) << " | " << number(p.theta_y) << " | "
+         << number(p.theta_z) << " | " << number(ndf_fit.fit.rel_rms) << " | " << name_of(ndf_fit.fit.status)
+         << " |\n";
+  }
+  text << "\nAngles in radians [Dong15 Eq. 12].\n";
+}
+
 }  // namespace
 
 void write_report(const std::filesystem::path& path, const NdfResult& result, const ScanListing& listing,
@@ -72,6 +86,7 @@ void write_report(const std::filesystem::path& path, const NdfResult& result, co
       text << "- " << skipped.source << ": " << skipped.reason << "\n";
   }
   add_ndfs(text, result);
+  if (result.fits && !result.fits->fits.empty()) add_fits(text, *result.fits);
   text << "\n## Plan\n\n" << to_text(result.plan);
   const std::string bytes = text.str();
   write_file(path, std::as_bytes(std::span(bytes)));

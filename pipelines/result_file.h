@@ -7,7 +7,7 @@
 
 namespace micro {
 
-/// Writes result.h5 (docs/design.md has its layout): /scans, /ndf/<method> and /plan; whole or absent.
+/// Writes result.h5 (docs/design.md has its layout): /scans, /ndf/<method>, /fit and /plan; whole or absent.
 /// `command` is what the user typed. Throws FileError.
 void write_result(const std::filesystem::path& path, const NdfResult& result, const std::string& command);
 
@@ -17,7 +17,8 @@ void write_ndf_picture(const std::filesystem::path& path, const NdfOfScans& ndf)
 /// Writes a PNG contact sheet: the scans that have a thumbnail, then every NDF, each with its name.
 void write_contact_sheet(const std::filesystem::path& path, const NdfResult& result);
 
-/// Writes what was done as text for people: the scans' table, the NDFs' table and the plan.
+/// Writes what was done as text for people: the scans' table, the NDFs' table, that of
+/// their fits and the plan.
 void write_report(const std::filesystem::path& path, const NdfResult& result, const ScanListing& listing,
                   const std::string& command);
 
