@@ -98,6 +98,7 @@ Run add_run(CLI::App& app) {
   app.add_option("--without", options->without,
                  "Stages to leave out: naive, filtered, kirchhoff, fit, statistics, pictures, report")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(CLI::IsMember(std::vector<std::string>(kStages.begin(), kStages.end())));
   add_ndf_options(app, options->ndf);
   add_progress(app, options->common);

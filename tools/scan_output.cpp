@@ -94,10 +94,15 @@ std::string command_line_of(const CLI::App& app) {
 }
 
 CLI::Option* add_pitch(CLI::App& app, std::vector<std::string>& pitch, const std::string& help) {
-  return app.add_option("--pitch", pitch, help)->delimiter(',')->expected(1, 2)->type_name("LENGTH");
+  // One word, X,Y too: what follows it is the next argument.
+  return app
+      .add_option_function<std::string>(
+          "--pitch", [&pitch](const std::string& text) { pitch = CLI::detail::split(text, ','); }, help)
+      ->type_name("LENGTH");
 }
 
 ReadOptions parse_pitch(const std::vector<std::string>& pitch) {
+  if (pitch.size() > 2) throw CLI::ValidationError("--pitch", "is one length, or two: X,Y");
   ReadOptions options;
   if (!pitch.empty()) options.pitch_x = parse_length(pitch[0]);
   if (pitch.size() > 1) options.pitch_y = parse_length(pitch[1]);

@@ -203,6 +203,18 @@ TEST_F(ScanTools, AnOptionThatNothingUsesIsRefused) {
   }
 }
 
+TEST_F(ScanTools, OptionsTakeNoScanForTheirValue) {
+  ASSERT_EQ(run("synth step" + std::string(kSmall) + "-o " + file("a.npy")).code, 0);
+  const std::string scans = " " + file("a.npy") + " " + file("a.npy");
+  EXPECT_EQ(run("info --pitch 0.1" + scans).code, 0);
+  EXPECT_EQ(run("info --pitch 0.1,0.2" + scans).code, 0);
+  EXPECT_EQ(run("info --pitch 0.1,0.2,0.3" + scans).code, 2);
+  const Outcome outcome =
+      run("run --pitch 0.1 --without naive,kirchhoff,pictures " + file("a.npy") + " -o " + file("out"));
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_EQ(run("ndf --pitch 0.1 --method naive" + scans + " -o " + file("x.h5")).code, 0);
+}
+
 TEST_F(ScanTools, AnUnknownSubcommandIsToldWhichThereAre) {
   EXPECT_NE(run("nfd").err.find("'nfd' is no subcommand of microbrdf; there are run, info"),
             std::string::npos);

@@ -198,6 +198,13 @@ TEST_F(PlainFormats, OurHeightFileComesBackToTheBit) {
   EXPECT_TRUE((back.surface.z == surface.z || (back.surface.z.isNaN() && surface.z.isNaN())).all());
 }
 
+TEST_F(PlainFormats, TextOfMissingPointsAloneIsAScanOfNothing) {
+  write_text(path, "nan nan\nNA nan\n");
+  const Scan scan = read_scan(path, {.pitch_x = 1, .pitch_y = {}});
+  EXPECT_EQ(scan.format, "text");
+  EXPECT_EQ(missing_count(scan.surface), 4);
+}
+
 TEST_F(PlainFormats, AResultIsNoScanAndACutHeightFileIsRefused) {
   Hdf5Writer result(path);
   write_origin(result, {.version = "1", .created = "now", .command = "test"});

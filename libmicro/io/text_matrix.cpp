@@ -86,7 +86,7 @@ bool is_text_matrix(const FileHead& head) {
   const string_view text(reinterpret_cast<const char*>(head.bytes.data()), head.bytes.size());
   if (text.find('\0') != string_view::npos) return false;
   const bool whole = head.bytes.size() == head.size;
-  bool numbers = false, other = false;
+  bool numbers = false, missing = false, other = false;
   for_each_line(text, [&](std::size_t, string_view line) {
     const char* end_of_head = text.data() + text.size();
     for_each_cell(line, separator_of(line), [&](string_view cell) {
@@ -94,11 +94,12 @@ bool is_text_matrix(const FileHead& head) {
       const auto value = parse_cell(cell);
       other |= !value;
       numbers |= value && std::isfinite(*value);
+      missing |= value && !std::isfinite(*value);
       return value.has_value();
     });
     return !numbers && !other;
   });
-  return numbers && !other;
+  return (numbers || missing) && !other;
 }
 
 HeightField read_text_matrix(const std::filesystem::path& path, const ReadOptions& options) {
