@@ -62,7 +62,9 @@ void report_bound(const std::string& name, const HeightField& surface, double la
   const double all = fastest(5, [&] { table = solver(surface); });
   const SpectralChoice choice = table.choice;
   DiskMemory<float> memory;
-  const double unchecked = fastest(5, [&] { transform_disk(surface, {}, lambda_q, choice, memory); });
+  const double unchecked = fastest(5, [&] {
+    transform_disk(Window{surface, {}}, DiskGrid{}, lambda_q, choice, memory);
+  });
   const ComplexFft<float> fft({1, table.work.fft_length, 1}, FftDirection::Forward);
   const double transforms = fastest(5, [&] {
     parallel_blocks(table.work.transforms, 256, [&](std::int64_t begin, std::int64_t end) {
