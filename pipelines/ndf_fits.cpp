@@ -13,16 +13,38 @@
 namespace micro {
 namespace {
 
-DiskTable read_table(const Hdf5Reader& file, const std::string& group) {
-  const Shape shape = file.shape(group + "/density");
-  if (shape.size() != 2 || shape[0] != shape[1])
+/// λ_q in µm as a name: "0.555um".
+std::string lambda_name(double lambda_q) {
+  std::ostringstream text;
+  text << lambda_q << "um";
+  return text.str();
+}
+
+/// The table of a method, or those of its wavelengths. Throws InputError where there is none.
+std::vector<NdfTable> read_method(const Hdf5Reader& file, const std::string& method) {
+  constexpr std::size_t kLargest = 1 << 15;
+  const std::string group = "/ndf/" + method, density = group + "/density", lambdas = group + "/lambda_q_um";
+  const Shape shape = file.shape(density);
+  const bool spectrum = shape.size() == 3 && file.contains(lambdas) && file.shape(lambdas) == Shape{shape[0]};
+  if ((shape.size() != 2 && !spectrum) || shape.back() != shape[shape.size() - 2])
     throw InputError("its density is no square table of directions");
   if (!file.has_attribute(group, "extent")) throw InputError("it has no attribute 'extent'");
-  constexpr std::size_t kLargest = 1 << 15;
-  if (shape[0] > kLargest) throw InputError("its density is larger than any table of directions");
-  DiskTable table = make_disk_table({static_cast<int>(shape[0]), file.number_attribute(group, "extent")});
-  table.density = file.read_grid<double>(group + "/density");
-  return table;
+  if (shape.back() > kLargest) throw InputError("its density is larger than any table of directions");
+  DiskTable table = make_disk_table({static_cast<int>(shape.back()), file.number_attribute(group, "extent")});
+  if (!spectrum) {
+    table.density = file.read_grid<double>(density);
+    return {{method, std::move(table)}};
+  }
+  const std::vector<double> lambda_q = file.read<double>(lambdas);
+  const std::vector<float> values = file.read<float>(density);
+  std::vector<NdfTable> tables;
+  for (std::size_t k = 0; k < lambda_q.size(); ++k) {
+    const auto n = static_cast<Eigen::Index>(shape.back());
+    table.density =
+        Eigen::Map<const Grid<float>>(values.data() + k * shape.back() * shape.back(), n, n).cast<double>();
+    tables.push_back({method + "_" + lambda_name(lambda_q[k]), table, lambda_q[k]});
+  }
+  return tables;
 }
 
 void write_fit(Hdf5Writer& file, const NdfFit& ndf_fit) {
@@ -79,7 +101,8 @@ NdfTables read_ndf_tables(const std::filesystem::path& path) {
     const std::string group = "/ndf/" + method;
     if (!file.is_group(group) || !file.contains(group + "/density")) continue;
     try {
-      result.tables.push_back({method, read_table(file, group)});
+      for (NdfTable& table : read_method(file, method))
+        result.tables.push_back(std::move(table));
     } catch (const FileError& error) {
       result.left_out.push_back({method, error.fact()});
     } catch (const InputError& error) {
@@ -98,7 +121,7 @@ NdfTables read_ndf_tables(const std::filesystem::path& path) {
 
 NdfFits fit_ndfs(const std::vector<NdfTable>& tables, Weighting weighting) {
   NdfFits result;
-  for (const auto& [method, density] : tables)
+  for (const auto& [method, density, lambda_q] : tables)
     for (const FitModel model : {FitModel::EllipsoidNdf, FitModel::BeckmannNdf})
       try {
         const Stopwatch stopwatch;

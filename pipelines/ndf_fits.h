@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,12 @@
 
 namespace micro {
 
-/// The table of one method, as it stands under /ndf/<method>.
+/// The table of one method, as it stands under /ndf/<method>; one wavelength of a spectrum goes by the name
+/// <method>_<λ_q>um.
 struct NdfTable {
   std::string method;
-  DiskTable density;  ///< 1/sr
+  DiskTable density;                    ///< 1/sr
+  std::optional<double> lambda_q = {};  ///< µm, of a spectrum's
 };
 
 /// One model fitted to one method's table.
@@ -45,8 +48,9 @@ struct NdfTables {
   std::vector<NotFitted> left_out;
 };
 
-/// Reads every /ndf/<method>/density with its `extent`, whoever wrote the file. Throws FileError if it is one
-/// of ours that was not finished, or holds no such table.
+/// Reads every /ndf/<method>/density with its `extent`, [N, N] or for wavelengths lambda_q_um [L, N, N],
+/// whoever wrote the file. Throws FileError if it is one of ours that was not finished, or holds no such
+/// table.
 NdfTables read_ndf_tables(const std::filesystem::path& path);
 
 /// Fits ellipsoid and Beckmann to each table [Dong15 §8, Fig. 12]. Tables that cannot be fitted are left out,

@@ -29,7 +29,7 @@ class FitFile : public testing::Test {
   /// Any program's file: tables under /ndf with their extents, and no word of ours.
   void write_tables(const fs::path& file, const std::vector<NdfTable>& tables) const {
     Hdf5Writer writer(file);
-    for (const auto& [method, table] : tables) {
+    for (const auto& [method, table, lambda_q] : tables) {
       writer.write("/ndf/" + method + "/density", table.density);
       writer.set_attribute("/ndf/" + method, "extent", table.grid.extent);
     }
@@ -132,6 +132,28 @@ TEST_F(FitFile, LeavesOutWhatIsNoTableAndSaysWhy) {
   add_fits(path(), path("b.h5"), fits, "");
   EXPECT_TRUE(std::isnan(Hdf5Reader(path("b.h5")).number_attribute("/fit/zero/ellipsoid", "alpha_x")));
   EXPECT_NE(stage_of(fits).reason.find("empty"), std::string::npos);
+}
+
+TEST_F(FitFile, FitsEveryWavelengthOfASpectrum) {
+  {
+    Hdf5Writer writer(path());
+    std::vector<double> both(ellipsoid_.density.data(),
+                             ellipsoid_.density.data() + ellipsoid_.density.size());
+    const DiskTable other = tabulate(Ellipsoid(slope_frame({0.2, 0.2, 0, 0, 0})), ellipsoid_.grid);
+    both.insert(both.end(), other.density.data(), other.density.data() + other.density.size());
+    writer.write<double>("/ndf/kirchhoff_spectrum/density", both, {2, 129, 129});
+    const std::vector<double> lambda_q = {0.45, 0.6};
+    writer.write<double>("/ndf/kirchhoff_spectrum/lambda_q_um", lambda_q, {2});
+    writer.set_attribute("/ndf/kirchhoff_spectrum", "extent", 0.9);
+    writer.finish();
+  }
+  const NdfTables tables = read_ndf_tables(path());
+  ASSERT_EQ(tables.tables.size(), 2u);
+  add_fits(path(), path(), fit_ndfs(tables.tables, Weighting::SolidAngle), "");
+  constexpr double kFloat = 1e-5;
+  const Hdf5Reader file(path());
+  EXPECT_NEAR(file.number_attribute("/fit/kirchhoff_spectrum_0.45um/ellipsoid", "alpha_x"), 0.3, kFloat);
+  EXPECT_NEAR(file.number_attribute("/fit/kirchhoff_spectrum_0.6um/ellipsoid", "alpha_x"), 0.2, kFloat);
 }
 
 TEST_F(FitFile, RefusesAFileWithoutTables) {

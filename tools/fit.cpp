@@ -83,6 +83,7 @@ int run(const Options& options, const CLI::App& app) {
   std::vector<fs::path> figures;
   if (!options.no_figure)
     for (const NdfTable& table : tables.tables) {
+      if (table.lambda_q) continue;  // a picture for each of many wavelengths is more than anyone looks at
       const fs::path figure =
           output.parent_path() / (output.stem().string() + "_" + fit_figure_name(table.method));
       if (write_fit_figure(figure, table, fits)) figures.push_back(figure);
@@ -105,7 +106,8 @@ Run add_fit(CLI::App& app) {
                  "What is minimised: squared differences over solid-angle, or of the log, for the tails")
       ->check(CLI::IsMember({"solid-angle", "log"}))
       ->capture_default_str();
-  app.add_flag("--no-figure", options->no_figure, "Leave out the figures, <output>_fit_<method>.png");
+  app.add_flag("--no-figure", options->no_figure,
+               "Leave out the figures, <output>_fit_<method>.png (none for a spectrum)");
   add_common_options(app, options->common, "microbrdf fit out/result.h5 --weighting log -o tails.h5");
   return [options, &app] { return run(*options, app); };
 }
