@@ -34,20 +34,24 @@ struct Rings {
   double theta(Index a) const { return (static_cast<double>(a) + 0.5) * dtheta; }
 };
 
-/// sinθ of a table's farthest corner.
-double corner(const DiskGrid& grid) {
-  return std::min(1., grid.extent * std::numbers::sqrt2);
+/// θ of the outermost node that holds something.
+double outermost(const DiskTable& table) {
+  double r2 = 0;
+  for (Index j = 0; j < table.grid.size; ++j)
+    for (Index i = 0; i < table.grid.size; ++i)
+      if (table.density(j, i) != 0) r2 = std::max(r2, 1 - table.grid.mz2(j, i));
+  return std::asin(std::min(1., std::sqrt(r2)));
 }
 
 /// Farthest θ to which the table's nodes give, through the stencils at both ends.
-double farthest(const DiskGrid& grid, const SignatureKernel& kernel, double spacing) {
-  return std::min(std::numbers::pi / 2, std::asin(corner(grid)) + kernel.reach_angle() + kPoints * spacing);
+double farthest(const DiskTable& table, const SignatureKernel& kernel, double spacing) {
+  return std::min(std::numbers::pi / 2, outermost(table) + kernel.reach_angle() + kPoints * spacing);
 }
 
-Rings make_rings(const DiskGrid& grid, const SignatureKernel& kernel, double spacing) {
+Rings make_rings(double farthest_theta, double spacing) {
   const Index quarter = fast_fft_size(static_cast<Index>(std::ceil(std::numbers::pi / 2 / spacing)));
   return {spacing, std::numbers::pi / 2 / static_cast<double>(quarter),
-          static_cast<Index>(farthest(grid, kernel, spacing) / spacing) + kPoints, 4 * quarter};
+          static_cast<Index>(farthest_theta / spacing) + kPoints, 4 * quarter};
 }
 
 /// Values on the rings, of a function that is the same after a quarter turn (turns = 4) or not (1).
@@ -274,8 +278,7 @@ Hemisphere hemisphere_of(const DiskGrid& grid, double farthest_theta) {
 }
 
 /// What the hemisphere takes of a unit mass, as a function on the rings.
-RingValues taken_on_rings(const Rings& rings, const DiskGrid& grid, const SignatureKernel& kernel) {
-  const Hemisphere nodes = hemisphere_of(grid, farthest(grid, kernel, rings.dtheta));
+RingValues taken_on_rings(const Rings& rings, const Hemisphere& nodes, const SignatureKernel& kernel) {
   RingValues ones(rings, 4);
   for_each_node(rings, nodes.lattice,
                 [&](const Node&, const Stencil& s) { add(rings, ones, s, nodes.weight); });
@@ -311,19 +314,22 @@ std::optional<double> ring_spacing(const Signature& signature) {
   return std::nullopt;
 }
 
-double cost_on_rings(const DiskGrid& grid, const SignatureKernel& kernel, double spacing) {
-  const Rings rings = make_rings(grid, kernel, spacing);
+double cost_on_rings(const DiskTable& table, const SignatureKernel& kernel, double spacing) {
+  const double theta = farthest(table, kernel, spacing);
+  const Rings rings = make_rings(theta, spacing);
   const double around = static_cast<double>(rings.around), count = static_cast<double>(rings.count);
   const double pairs = count * (kernel.reach_angle() / spacing + 1);
-  const double nodes = static_cast<double>(grid.size) * static_cast<double>(grid.size);
-  // Fourier transforms and products of the pairs, twice; 36 points for each node and its hemisphere's.
-  return 2 * pairs * around * std::log2(around) / 4 + 3 * 20 * nodes;
+  const double nodes = std::numbers::pi * std::pow(std::sin(theta) / table.grid.spacing(), 2);
+  // Fourier transforms and products of the pairs, whole and of a quarter; 36 points for each node, twice and
+  // for a quarter of the hemisphere's.
+  return pairs * around * std::log2(around) + 100 * nodes;
 }
 
 DiskTable convolve_on_rings(const DiskTable& table, const SignatureKernel& kernel, double spacing) {
   const DiskGrid& grid = table.grid;
-  const Rings rings = make_rings(grid, kernel, spacing);
-  const RingValues taken = taken_on_rings(rings, grid, kernel);
+  const double theta = farthest(table, kernel, spacing);
+  const Rings rings = make_rings(theta, spacing);
+  const RingValues taken = taken_on_rings(rings, hemisphere_of(grid, theta), kernel);
   const auto c = static_cast<Index>(grid.centre());
   const Lattice nodes{grid.spacing(), c};
   RingValues shares(rings, 1);

@@ -19,7 +19,7 @@ std::optional<double> ring_spacing(const Signature& signature);
 /// below zero (interpolation at the signature's cut) are cut off and made up for by a common factor.
 DiskTable convolve_on_rings(const DiskTable& table, const SignatureKernel& kernel, double spacing);
 
-/// Elementary operations of that, some nanoseconds each, for a table that fills its grid.
-double cost_on_rings(const DiskGrid& grid, const SignatureKernel& kernel, double spacing);
+/// Elementary operations of that, about a nanosecond each.
+double cost_on_rings(const DiskTable& table, const SignatureKernel& kernel, double spacing);
 
 }  // namespace micro
