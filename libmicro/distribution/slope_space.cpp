@@ -82,7 +82,9 @@ EllipsoidParameters canonical_parameters(const SlopeFrame& frame) {
   // B/B_zz = [Σ + t·tᵀ, −t; −tᵀ, 1] = FᵀF.
   const Mat3 f = (Mat3() << frame.l11, frame.l21, 0, 0, frame.l22, 0, -frame.centre.x(), -frame.centre.y(), 1)
                      .finished();
-  const auto [axes, length] = principal_axes(f);
+  const PrincipalAxes principal = principal_axes(f);
+  const Mat3& axes = principal.axes;
+  const Vec3& length = principal.length;
   std::array<int, 3> order = {0, 1, 2};
   std::sort(order.begin(), order.end(),
             [&](int a, int b) { return std::abs(axes(2, a)) > std::abs(axes(2, b)); });
