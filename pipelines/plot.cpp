@@ -27,6 +27,22 @@ double tick_step(double range) {
   return 10 * power;
 }
 
+/// Ticks of a linear axis.
+std::vector<double> linear_ticks(double low, double high) {
+  const double step = tick_step(high - low);
+  std::vector<double> ticks;
+  for (double value = std::ceil(low / step) * step; value <= high + 1e-9 * step; value += step)
+    ticks.push_back(value);
+  return ticks;
+}
+
+std::vector<double> powers_of_ten(double low, double high) {
+  std::vector<double> ticks;
+  for (double value = std::pow(10, std::ceil(std::log10(low))); value <= high; value *= 10)
+    ticks.push_back(value);
+  return ticks;
+}
+
 /// The plot's rectangle in points of the picture.
 struct Canvas {
   const Plot& plot;
@@ -37,7 +53,9 @@ struct Canvas {
     return kLeft + (x - plot.x_low) / (plot.x_high - plot.x_low) * static_cast<double>(width - 1);
   }
   double row(double y) const {
-    const double part = std::log(y / plot.y_low) / std::log(plot.y_high / plot.y_low);
+    const double part = plot.y_scale == Plot::Scale::Linear
+                            ? (y - plot.y_low) / (plot.y_high - plot.y_low)
+                            : std::log(y / plot.y_low) / std::log(plot.y_high / plot.y_low);
     return kTop + (1 - part) * static_cast<double>(height - 1);
   }
   /// Paints a point; what lies outside the rectangle is left out.
@@ -50,8 +68,7 @@ struct Canvas {
 void draw_axes(const Canvas& canvas) {
   const Plot& plot = canvas.plot;
   const Eigen::Index bottom = kTop + canvas.height;
-  const double step = tick_step(plot.x_high - plot.x_low);
-  for (double x = std::ceil(plot.x_low / step) * step; x <= plot.x_high * (1 + 1e-9); x += step) {
+  for (const double x : linear_ticks(plot.x_low, plot.x_high)) {
     const auto i = static_cast<Eigen::Index>(std::lrint(canvas.col(x)));
     for (Eigen::Index j = kTop; j < bottom; ++j)
       canvas.dot(static_cast<double>(j), static_cast<double>(i), kGrid);
@@ -59,7 +76,8 @@ void draw_axes(const Canvas& canvas) {
     const auto length = static_cast<Eigen::Index>(label.size()) * kLetterWidth;
     draw_text(canvas.picture, bottom + 5, i - length / 2, length, label);
   }
-  for (double y = std::pow(10, std::ceil(std::log10(plot.y_low))); y <= plot.y_high; y *= 10) {
+  for (const double y : plot.y_scale == Plot::Scale::Linear ? linear_ticks(plot.y_low, plot.y_high)
+                                                            : powers_of_ten(plot.y_low, plot.y_high)) {
     const double row = canvas.row(y);
     for (Eigen::Index i = 0; i < canvas.width; ++i)
       canvas.dot(row, static_cast<double>(kLeft + i), kGrid);
@@ -84,7 +102,8 @@ void draw_line(const Canvas& canvas, const Vec2& from, const Vec2& to, const Rgb
 }
 
 void draw_curve(const Canvas& canvas, const Curve& curve) {
-  const auto shows = [](const Vec2& p) { return p.y() > 0 && std::isfinite(p.y()); };
+  const bool linear = canvas.plot.y_scale == Plot::Scale::Linear;
+  const auto shows = [linear](const Vec2& p) { return (linear || p.y() > 0) && std::isfinite(p.y()); };
   for (std::size_t k = 0; k < curve.points.size(); ++k) {
     const Vec2& p = curve.points[k];
     if (!shows(p)) continue;

@@ -16,11 +16,12 @@ struct Curve {
   std::vector<Vec2> points;
 };
 
-/// A plot of curves over x, y on a logarithmic axis.
+/// A plot of curves over x.
 struct Plot {
   std::string title, x_label;
   double x_low, x_high, y_low, y_high;
   std::vector<Curve> curves;
+  enum class Scale { Logarithmic, Linear } y_scale = Scale::Logarithmic;
 };
 
 /// Draws a plot with axes, ticks, a title and a legend, `width` × `height` points.
