@@ -9,7 +9,10 @@
 #include "io/digital_surf.h"
 #include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
+#include "io/sdf.h"
+#include "io/sensofar_plu.h"
 #include "io/text_matrix.h"
+#include "io/wyko_opd.h"
 #include "io/zygo_ascii.h"
 #include "io/zygo_dat.h"
 #include "io/zygo_datx.h"
@@ -18,8 +21,9 @@ namespace micro {
 namespace {
 
 /// A new format is a file beside these and a line here. Plain text has no signature, so it comes last.
-constexpr std::array kFormats = {kZygoDat,       kZygoAsc,         kZygoXyz,  kDigitalSurf, kNpy,
-                                 kMicrobrdfHdf5, kMicrobrdfResult, kZygoDatx, kTextMatrix};
+constexpr std::array kFormats = {kZygoDat,       kZygoAsc,         kZygoXyz,     kDigitalSurf,
+                                 kSdf,           kWykoOpd,         kSensofarPlu, kNpy,
+                                 kMicrobrdfHdf5, kMicrobrdfResult, kZygoDatx,    kTextMatrix};
 
 /// Whatever the user says about the pitch may fill a gap in a file; it may not contradict one.
 void check_pitch_agrees(const std::filesystem::path& path, const HeightField& surface,

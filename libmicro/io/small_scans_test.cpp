@@ -14,15 +14,6 @@
 namespace micro {
 namespace {
 
-/// Puts a number into bytes, the most significant byte first if `big`.
-template <typename T>
-void put(std::vector<std::byte>& bytes, std::size_t at, T value, bool big) {
-  std::array<std::byte, sizeof(T)> raw;
-  std::memcpy(raw.data(), &value, sizeof(T));
-  if (big) std::reverse(raw.begin(), raw.end());
-  std::copy(raw.begin(), raw.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at));
-}
-
 hid_t text_type() {
   const hid_t type = H5Tcopy(H5T_C_S1);
   H5Tset_size(type, H5T_VARIABLE);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,6 +16,15 @@ namespace micro {
 std::vector<std::byte> read_bytes(const std::filesystem::path& path);
 void write_bytes(const std::filesystem::path& path, const std::vector<std::byte>& bytes);
 void write_text(const std::filesystem::path& path, const std::string& text);
+
+/// Puts a number into bytes, the most significant byte first if `big`.
+template <typename T>
+void put(std::vector<std::byte>& bytes, std::size_t at, T value, bool big) {
+  std::array<std::byte, sizeof(T)> raw;
+  std::memcpy(raw.data(), &value, sizeof(T));
+  if (big) std::reverse(raw.begin(), raw.end());
+  std::copy(raw.begin(), raw.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at));
+}
 
 /// A MetroPro file: 4 columns, 3 rows, raw k·1000 − 3000 except raw 5, which is missing; 2 × 3 intensities in
 /// two buckets before them; S = 0.5, W = 0.5 µm, O = 2, pitch 0.25 µm.

@@ -1,13 +1,12 @@
 #include "io/zygo_ascii.h"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "io/bytes.h"
+#include "io/words.h"
 #include "io/zygo_scale.h"
 
 namespace micro {
@@ -16,71 +15,6 @@ namespace {
 constexpr std::string_view kAsc = "Zygo ASCII Data File - Format ";
 constexpr std::string_view kXyz = "Zygo XYZ Data File - Format ";
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
-
-/// Walks over the text of a file, one word or line at a time.
-class Words {
- public:
-  explicit Words(const FileBytes& file)
-      : file_(file), at_(file.text().data()), end_(file.text().data() + file.size()) {}
-
-  /// The next line, without its end (LF or CRLF).
-  std::string_view line() {
-    file_.require(at_ < end_, "is cut in its header");
-    const char* begin = at_;
-    const char* end = std::find(at_, end_, '\n');
-    at_ = end < end_ ? end + 1 : end_;
-    if (end > begin && end[-1] == '\r') --end;
-    return {begin, end};
-  }
-
-  /// The next word; empty at the end of the file.
-  std::string_view word() {
-    while (at_ < end_ && is_blank(*at_))
-      ++at_;
-    const char* begin = at_;
-    while (at_ < end_ && !is_blank(*at_))
-      ++at_;
-    return {begin, at_};
-  }
-
-  /// The next word, without passing it.
-  std::string_view peek() const { return Words(*this).word(); }
-
-  /// The next word as a number. Throws FileError unless it is one.
-  template <typename T>
-  T number() {
-    T value{};
-    const std::string_view text = word();
-    const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || rest != text.data() + text.size()) {
-      file_.require(!text.empty() && text != "#", "is cut: it has fewer heights than its header promises");
-      throw FileError(file_.path(),
-                      "\"" + std::string(text.substr(0, 20)) + "\" stands where a number should");
-    }
-    return value;
-  }
-
-  /// Passes the word "#" that closes a block. A file without its last one is cut.
-  void close_block() { file_.require(word() == "#", "is cut: the # that closes the heights is missing"); }
-
-  /// Passes everything up to and with the next "#".
-  void skip_block() {
-    at_ = std::find(at_, end_, '#');
-    file_.require(at_ < end_, "is cut: the # that closes the intensities is missing");
-    ++at_;
-  }
-
-  std::size_t remaining() const { return static_cast<std::size_t>(end_ - at_); }
-
- private:
-  const FileBytes& file_;
-  const char* at_;
-  const char* end_;
-};
 
 /// What the header says that matters here.
 struct Header {
@@ -104,11 +38,7 @@ class Fields {
   template <typename T>
   T get(std::size_t index) const {
     T value{};
-    if (index < words_.size()) {
-      const std::string_view word = words_[index];
-      const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-      if (error == std::errc() && rest == word.data() + word.size()) return value;
-    }
+    if (index < words_.size() && parse_number(words_[index], value)) return value;
     throw FileError(file_.path(), std::string("its header has no ") + name_);
   }
 
@@ -163,7 +93,7 @@ bool is_zygo_asc(const FileHead& head) {
 
 HeightField read_zygo_asc(const std::filesystem::path& path, const ReadOptions& options) {
   const FileBytes file(path);
-  Words words(file);
+  Words words(file, "#");
   const Header header = read_header(file, words);
   const Pitch pitch = file_pitch(path, {header.lateral, header.lateral}, options);
   const double step = zygo_step(path, header.scale);
@@ -187,7 +117,7 @@ bool is_zygo_xyz(const FileHead& head) {
 
 HeightField read_zygo_xyz(const std::filesystem::path& path, const ReadOptions& options) {
   const FileBytes file(path);
-  Words words(file);
+  Words words(file, "#");
   const Header header = read_header(file, words);
   const Pitch pitch = file_pitch(path, {header.lateral, header.lateral}, options);
   const std::uint64_t count = checked_count(file, header, words.remaining(), sizeof "0 0 0 " - 1);

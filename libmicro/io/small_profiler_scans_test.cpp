@@ -1,0 +1,120 @@
+#include "io/small_profiler_scans_test.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "io/small_scans_test.h"
+
+namespace micro {
+namespace {
+
+constexpr std::size_t kPoints = 6;
+
+/// Heights of µm as integers or floats of 0.5 µm, the last one missing if T can say so.
+template <typename T>
+std::vector<std::byte> points() {
+  using Limits = std::numeric_limits<T>;
+  std::vector<std::byte> bytes(kPoints * sizeof(T));
+  for (std::size_t k = 0; k < kPoints; ++k) {
+    T value = static_cast<T>(2 * (k + 1));
+    if (k == 5 && sizeof(T) > 1)
+      value = !Limits::is_integer ? Limits::quiet_NaN() : Limits::is_signed ? Limits::min() : Limits::max();
+    put(bytes, k * sizeof(T), value, false);
+  }
+  return bytes;
+}
+
+void append_block(std::vector<std::byte>& directory, std::vector<std::byte>& data, const std::string& name,
+                  std::int16_t type, const std::vector<std::byte>& content) {
+  const std::size_t at = directory.size();
+  directory.resize(at + 24);
+  std::memcpy(directory.data() + at, name.data(), name.size());
+  put(directory, at + 16, type, false);
+  put(directory, at + 18, static_cast<std::int32_t>(content.size()), false);
+  data.insert(data.end(), content.begin(), content.end());
+}
+
+template <typename T>
+std::vector<std::byte> bytes_of(T value) {
+  std::vector<std::byte> bytes(sizeof(T));
+  put(bytes, 0, value, false);
+  return bytes;
+}
+
+}  // namespace
+
+std::string small_sdf_ascii() {
+  return "aISO-1.0\r\nManufacID = ISOTC213\r\nCreateDate = 040120100853\r\nModDate = "
+         "050320101353\r\nNumPoints = "
+         "3\r\nNumProfiles = 2\r\nXscale = 0.25E-6\r\nYscale = 5e-7\r\nZscale = 1.0E-6\r\nZresolution = "
+         "1.0E-9\r\n"
+         "Compression = 0\r\nDataType = 7\r\nCheckType = 0\r\n*\r\n1.0 2 +3\r\n4.00 5 BAD\r\n*\r\n< Note > "
+         "BAD\r\n*";
+}
+
+std::vector<std::byte> small_sdf_binary(const Sdf& sdf) {
+  std::vector<std::byte> bytes(sdf.olympus ? 89 : 81);
+  std::memcpy(bytes.data(), "bISO-1.0Somebody  040120100853050320101353", 42);
+  put<std::uint16_t>(bytes, 42, 3, false);
+  put<std::uint16_t>(bytes, 44, 2, false);
+  put(bytes, 46, 0.25e-6, false);
+  put(bytes, 54, 0.5e-6, false);
+  put(bytes, 62, 0.5e-6, false);
+  put(bytes, 70, 1e-9, false);
+  bytes[79] = static_cast<std::byte>(sdf.type);
+  constexpr std::array points_of_type = {points<std::uint8_t>, points<std::uint16_t>, points<std::uint32_t>,
+                                         points<float>,        points<std::int8_t>,   points<std::int16_t>,
+                                         points<std::int32_t>, points<double>};
+  const auto data = points_of_type.at(static_cast<std::size_t>(sdf.type))();
+  bytes.insert(bytes.end(), data.begin(), data.end());
+  return bytes;
+}
+
+std::vector<std::byte> small_opd(const Opd& opd) {
+  // Columns from the bottom: (row 1, column 0), (row 0, column 0), …
+  constexpr std::array order = {3, 0, 4, 1, 5, 2};
+  std::vector<std::byte> heights(6 + kPoints * (opd.floats ? 4 : 2));
+  put<std::uint16_t>(heights, 0, 3, false);
+  put<std::uint16_t>(heights, 2, 2, false);
+  put<std::uint16_t>(heights, 4, opd.floats ? 4 : 2, false);
+  for (std::size_t k = 0; k < kPoints; ++k) {
+    const int point = order[k];
+    if (opd.floats)
+      put(heights, 6 + 4 * k, point == 5 ? 1e38F : 2.F * static_cast<float>(point + 1), false);
+    else
+      put(heights, 6 + 2 * k, static_cast<std::int16_t>(point == 5 ? 32766 : 500 * (point + 1)), false);
+  }
+  std::vector<std::byte> directory(2), data;
+  directory[0] = std::byte{1};
+  append_block(directory, data, "Directory", 1, {});
+  append_block(directory, data, "Empty", 5, {});
+  if (!opd.floats) append_block(directory, data, "Mult", 6, bytes_of<std::int16_t>(250));
+  append_block(directory, data, opd.name, 3, heights);
+  append_block(directory, data, "Wavelength", 7, bytes_of(500.F));
+  append_block(directory, data, "Aspect", 7, bytes_of(2.F));
+  append_block(directory, data, "Pixel_size", 7, bytes_of(0.25e-3F));
+  directory.resize(directory.size() + 24);  // records in reserve
+  put(directory, 2 + 18, static_cast<std::int32_t>(directory.size() - 2), false);
+  directory.insert(directory.end(), data.begin(), data.end());
+  return directory;
+}
+
+std::vector<std::byte> small_plu() {
+  std::vector<std::byte> bytes(508 + 4 * kPoints + 8);
+  std::memcpy(bytes.data(), "Fri Mar 10 16:35:59 2023", 24);
+  put(bytes, 404, 0.25F, false);
+  put(bytes, 408, 0.5F, false);
+  put<std::uint32_t>(bytes, 428, 3, false);
+  put<std::uint32_t>(bytes, 444, 3, false);
+  for (const std::size_t at : {388, 448, 456, 500}) {
+    put<std::uint32_t>(bytes, at, 2, false);
+    put<std::uint32_t>(bytes, at + 4, 3, false);
+  }
+  for (std::size_t k = 0; k < kPoints; ++k)
+    put(bytes, 508 + 4 * k, k == 5 ? 1000001.F : static_cast<float>(k + 1), false);
+  return bytes;
+}
+
+}  // namespace micro
