@@ -32,7 +32,7 @@ struct Slopes {
 /// µ = (⟨x⟩, ⟨y⟩)/⟨1⟩ and the centred second moments S the matrix is L·diag(⟨1⟩, S)·Lᵀ, and ‖L⁻¹‖² ≤ 2(1 +
 /// µ²).
 double least_eigenvalue_bound(double m, double mu2, double determinant, double trace) {
-  return std::min(m, determinant / trace) / (2 * (1 + mu2));
+  return trace > 0 ? std::min(m, determinant / trace) / (2 * (1 + mu2)) : 0;
 }
 
 /// Is the reciprocal condition at least kLeastCondition? The bound settles nearly all cases, the eigenvalues
@@ -119,6 +119,11 @@ class Holes {
   Grid<std::int32_t> sums_;
 };
 
+/// No window of n points reaches further than this. At least 1: a single point never has a complete window.
+std::size_t longest_radius(std::size_t n) {
+  return std::max<std::size_t>(n, 2) - 1;
+}
+
 class LocalPlanes {
  public:
   LocalPlanes(const HeightField& surface, double sigma)
@@ -126,8 +131,8 @@ class LocalPlanes {
         sigma_(sigma),
         rows_(static_cast<std::size_t>(surface.rows())),
         cols_(static_cast<std::size_t>(surface.cols())),
-        taps_x_(surface.dx, sigma, cols_ - 1),
-        taps_y_(surface.dy, sigma, rows_ - 1),
+        taps_x_(surface.dx, sigma, longest_radius(cols_)),
+        taps_y_(surface.dy, sigma, longest_radius(rows_)),
         profile_x_(cols_, taps_x_),
         profile_y_(rows_, taps_y_),
         borders_fit_(borders_well_conditioned(profile_x_, profile_y_)),
