@@ -1,6 +1,5 @@
-// D_K: what one exact direction costs, what bounds a spectral table, what 41 wavelengths cost beside one, and
-// what the constant reflectance of [Dong15 Eq. 6] costs on steep surfaces. Optional argument: the effective
-// wavelength in µm.
+// D_K: what one exact direction costs, what bounds a spectral table, and what 41 wavelengths cost beside one.
+// Optional argument: the effective wavelength in µm.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -116,33 +115,6 @@ void report_all_wavelengths(const HeightField& surface) {
               together / single, worst);
 }
 
-/// Fresnel amplitude for polarisation s, cosine of incidence c, index n + ik.
-std::complex<double> fresnel_s(double c, std::complex<double> index) {
-  const std::complex<double> t = std::sqrt(index * index - (1 - c * c));
-  return (c - t) / (c + t);
-}
-
-/// Σ over directions of (|R·F|² − |F_R|²)² against Σ|F_R|⁴, F_R with the reflectance of each facet [Dong15
-/// Eq. 3], R that of the half direction [Eq. 7]; copper at 0.5486 µm (Johnson & Christy 1972), light at 45°.
-void report_reflectance(const std::string& name, const HeightField& surface) {
-  constexpr double kLambda = 0.5486;
-  const std::complex<double> copper(1.02, 2.59);
-  const Vec3 wi = Vec3(1, 0, 1).normalized();
-  double difference = 0, total = 0;
-  for (int n = 0; n < 40; ++n) {
-    const auto u = random_uniform(5, 5, n);
-    const Vec3 wo(-0.6 + 0.6 * (u[0] - 0.5), 0.6 * (u[1] - 0.5), 0),
-        towards(wo.x(), wo.y(), std::sqrt(1 - wo.squaredNorm()));
-    const Vec3 q = 2 * 3.14159265358979 / kLambda * (wi + towards), h = q.normalized();
-    const double varying = std::norm(
-        exact_field(surface, q, [&](const Vec3& m) { return fresnel_s(std::max(0.0, wi.dot(m)), copper); }));
-    const double constant = std::norm(fresnel_s(wi.dot(h), copper) * exact_field(surface, q));
-    difference += (constant - varying) * (constant - varying);
-    total += varying * varying;
-  }
-  std::printf("constant_R,%s,%.2e\n", name.c_str(), std::sqrt(difference / total));
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -153,8 +125,6 @@ int main(int argc, char** argv) {
   const double seconds = fastest(20, [&] { exact_field(rough, q); });
   std::printf("exact_ms_per_direction,%.2f\n", 1e3 * seconds);
   report_all_wavelengths(rough);
-  report_reflectance("rough", rough);
-  report_reflectance("steep", steep);
   report_bound("rough", rough, lambda_q);
   report_bound("holed", with_holes(rough), lambda_q);
   report_bound("brushed", brushed, lambda_q);

@@ -1,32 +1,25 @@
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "io/scan.h"
+#include "testing/run_program.h"
 #include "testing/temporary_folder.h"
 
 namespace micro::tools {
 namespace {
 
+using testing::run_program;
+using Outcome = testing::ProgramOutcome;
+
 class Convert : public ::testing::Test {
  protected:
-  struct Outcome {
-    int code;
-    std::string text;  ///< stdout and stderr
-  };
+  /// Its stdout and stderr together.
   Outcome convert(const std::string& arguments) const {
-    const std::string command = std::string(MICROBRDF_PROGRAM) + " convert " + arguments + " 2>&1";
-    std::FILE* pipe = ::popen(command.c_str(), "r");
-    std::string text;
-    std::array<char, 256> part;
-    while (std::fgets(part.data(), static_cast<int>(part.size()), pipe))
-      text += part.data();
-    return {WEXITSTATUS(::pclose(pipe)), text};
+    return run_program(testing::microbrdf("convert " + arguments + " 2>&1"));
   }
   std::string file(const std::string& name) const { return (folder.path() / name).string(); }
   std::string text_scan() const {
@@ -40,7 +33,7 @@ TEST_F(Convert, GoesRoundThroughEveryFormat) {
   std::string from = text_scan() + " --pitch 250nm";
   for (const char* name : {"a.h5", "a.dat", "b.h5", "a.npy"}) {
     const Outcome outcome = convert(from + " -o " + file(name));
-    EXPECT_EQ(outcome.code, 0) << outcome.text;
+    EXPECT_EQ(outcome.code, 0) << outcome.out;
     from = file(name);
   }
   const Scan scan = read_scan(file("a.npy"), {.pitch_x = 0.25, .pitch_y = {}});
@@ -54,8 +47,8 @@ TEST_F(Convert, GoesRoundThroughEveryFormat) {
 
 TEST_F(Convert, JsonSaysWhatWasDone) {
   const Outcome outcome = convert(text_scan() + " --pitch 250nm,1um --json -o " + file("a.h5"));
-  ASSERT_EQ(outcome.code, 0) << outcome.text;
-  const auto json = nlohmann::json::parse(outcome.text);
+  ASSERT_EQ(outcome.code, 0) << outcome.out;
+  const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["format"], "text");
   EXPECT_EQ(json["output_format"], "microbrdf-hdf5");
   EXPECT_EQ(json["rows"], 2);
@@ -66,7 +59,7 @@ TEST_F(Convert, JsonSaysWhatWasDone) {
 }
 
 TEST_F(Convert, SaysThatNpyDropsThePitch) {
-  EXPECT_NE(convert(text_scan() + " --pitch 0.25 -o " + file("a.npy")).text.find("--pitch 0.25um,0.25um"),
+  EXPECT_NE(convert(text_scan() + " --pitch 0.25 -o " + file("a.npy")).out.find("--pitch 0.25um,0.25um"),
             std::string::npos);
 }
 
@@ -82,7 +75,7 @@ TEST_F(Convert, RefusesWithTheRightCode) {
   ASSERT_EQ(convert(scan + " --pitch 1um -o " + file("a.npy")).code, 0);
   const Outcome itself = convert(file("a.npy") + " --pitch 1um -o " + file("a.npy"));
   EXPECT_EQ(itself.code, 3);
-  EXPECT_NE(itself.text.find("never overwritten"), std::string::npos) << itself.text;
+  EXPECT_NE(itself.out.find("never overwritten"), std::string::npos) << itself.out;
   // Nothing half-done stays behind.
   std::size_t files = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path()))

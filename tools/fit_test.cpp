@@ -1,9 +1,6 @@
 // `microbrdf fit`, and the stage of `microbrdf run`, as people and programs call them.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -11,26 +8,19 @@
 #include "distribution/ellipsoid.h"
 #include "distribution/tabulate.h"
 #include "io/hdf5_reader.h"
+#include "testing/run_program.h"
 #include "testing/temporary_folder.h"
 
 namespace micro::tools {
 namespace {
 
+using testing::run_program;
+using Outcome = testing::ProgramOutcome;
+
 class FitCommand : public ::testing::Test {
  protected:
-  struct Outcome {
-    int code;
-    std::string out;
-    nlohmann::json json() const { return nlohmann::json::parse(out); }
-  };
   Outcome run(const std::string& arguments) const {
-    const std::string command = std::string(MICROBRDF_PROGRAM) + " " + arguments + " 2>/dev/null";
-    std::FILE* pipe = ::popen(command.c_str(), "r");
-    std::string text;
-    std::array<char, 256> part;
-    while (std::fgets(part.data(), static_cast<int>(part.size()), pipe))
-      text += part.data();
-    return {WEXITSTATUS(::pclose(pipe)), text};
+    return run_program(testing::microbrdf(arguments + " 2>/dev/null"));
   }
   std::string file(const std::string& name) const { return (folder_.path() / name).string(); }
   TemporaryFolder folder_;
@@ -46,8 +36,9 @@ TEST_F(FitCommand, WritesFitsFiguresAndJson) {
   }
   const Outcome made = run("fit --json " + file("a.h5"));
   ASSERT_EQ(made.code, 0);
-  EXPECT_EQ(made.json().at("output"), file("a.h5"));
-  const nlohmann::json fit = made.json().at("fits").at(0);
+  const nlohmann::json json = nlohmann::json::parse(made.out);
+  EXPECT_EQ(json.at("output"), file("a.h5"));
+  const nlohmann::json fit = json.at("fits").at(0);
   EXPECT_EQ(fit.at("method"), "mine");
   EXPECT_EQ(fit.at("model"), "ellipsoid");
   EXPECT_EQ(fit.at("status"), "converged");

@@ -1,9 +1,6 @@
 // `microbrdf synth` and `microbrdf info` as people and programs call them.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -12,10 +9,13 @@
 #include <tuple>
 
 #include "io/scan.h"
+#include "testing/run_program.h"
 #include "testing/temporary_folder.h"
 
 namespace micro::tools {
 namespace {
+
+using testing::run_program;
 
 class ScanTools : public ::testing::Test {
  protected:
@@ -25,13 +25,8 @@ class ScanTools : public ::testing::Test {
     std::string err;  ///< stderr
   };
   Outcome run(const std::string& arguments) const {
-    const std::string command = std::string(MICROBRDF_PROGRAM) + " " + arguments + " 2>" + file("err");
-    std::FILE* pipe = ::popen(command.c_str(), "r");
-    std::string text;
-    std::array<char, 256> part;
-    while (std::fgets(part.data(), static_cast<int>(part.size()), pipe))
-      text += part.data();
-    return {WEXITSTATUS(::pclose(pipe)), text, content("err")};
+    const auto [code, out] = run_program(testing::microbrdf(arguments + " 2>" + file("err")));
+    return {code, out, content("err")};
   }
   std::string file(const std::string& name) const { return (folder.path() / name).string(); }
   std::string content(const std::string& name) const {

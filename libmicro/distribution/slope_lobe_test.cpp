@@ -225,42 +225,44 @@ TEST(Ellipsoid, SkewedLobesAreClamped) {
   EXPECT_GT(clamped, 20);
 }
 
+/// Two numbers that should be uniform in [0, 1), of each of many visible samples, by chi-square.
+template <typename Uniforms>
+void expect_uniform(std::uint64_t seed, const Uniforms& uniforms) {
+  constexpr int kSamples = 20000, kBins = 20;
+  const auto bin = [](double u) { return static_cast<std::size_t>(std::clamp(u * kBins, 0., kBins - 1.)); };
+  std::vector<double> first(kBins, 0.), second(kBins, 0.);
+  for (std::uint64_t k = 0; k < kSamples; ++k) {
+    const auto [a, b] = random_uniform(seed, 0, k);
+    const Vec2 u = uniforms(Vec2(a, b));
+    ASSERT_FALSE(u.hasNaN());
+    first[bin(u.x())] += 1;
+    second[bin(u.y())] += 1;
+  }
+  const std::vector<double> expected(kBins, kSamples / kBins);
+  EXPECT_GT(testing::chi_square_p(first, expected), 1e-4);
+  EXPECT_GT(testing::chi_square_p(second, expected), 1e-4);
+}
+
 // Leaning away by k ≫ 1 widths, the slopes x = −v_1/k > 1 that are seen have density ∝ (x − 1)/x³, so (1 −
 // 1/x)² is uniform, and y = v_2/v_1 given x has density (2/π)/(1 + y²)².
 TEST(Ellipsoid, FarTailsAreSampled) {
   constexpr double kLean = 1e5;
-  constexpr int kSamples = 20000, kBins = 20;
-  std::vector<double> along(kBins, 0.), beside(kBins, 0.);
-  for (std::uint64_t k = 0; k < kSamples; ++k) {
-    const auto [a, b] = random_uniform(11, 0, k);
-    const Vec2 v = HemisphereShape::sample_visible({1, 0, -kLean}, {a, b});
+  expect_uniform(11, [](const Vec2& u) {
+    const Vec2 v = HemisphereShape::sample_visible({1, 0, -kLean}, {u.x(), u.y()});
     const double x = -v.x() / kLean, y = v.y() / v.x();
-    ASSERT_GT(x, 1 - 1e-9);
-    const double u1 = (1 - 1 / x) * (1 - 1 / x), u2 = 0.5 + (std::atan(y) + y / (1 + y * y)) / kPi;
-    along[static_cast<std::size_t>(std::clamp(u1 * kBins, 0., kBins - 1.))] += 1;
-    beside[static_cast<std::size_t>(std::clamp(u2 * kBins, 0., kBins - 1.))] += 1;
-  }
-  const std::vector<double> expected(kBins, kSamples / kBins);
-  EXPECT_GT(testing::chi_square_p(along, expected), 1e-4);
-  EXPECT_GT(testing::chi_square_p(beside, expected), 1e-4);
+    EXPECT_GT(x, 1 - 1e-9);
+    return Vec2((1 - 1 / x) * (1 - 1 / x), 0.5 + (std::atan(y) + y / (1 + y * y)) / kPi);
+  });
 }
 
 // The Gaussian's far tail, x = −v_1 = k + w: for k ≫ 1 w·2k has the density w'e^{−w'}.
 TEST(Beckmann, FarTailsAreSampled) {
   constexpr double kLean = 1e4;
-  constexpr int kSamples = 20000, kBins = 20;
-  std::vector<double> along(kBins, 0.), beside(kBins, 0.);
-  for (std::uint64_t k = 0; k < kSamples; ++k) {
-    const auto [a, b] = random_uniform(12, 0, k);
-    const Vec2 v = GaussianShape::sample_visible({1, 0, -kLean}, {a, b});
-    const double w = 2 * kLean * (-v.x() - kLean), u1 = 1 - (1 + w) * std::exp(-w),
-                 u2 = (1 + std::erf(v.y())) / 2;
-    along[static_cast<std::size_t>(std::clamp(u1 * kBins, 0., kBins - 1.))] += 1;
-    beside[static_cast<std::size_t>(std::clamp(u2 * kBins, 0., kBins - 1.))] += 1;
-  }
-  const std::vector<double> expected(kBins, kSamples / kBins);
-  EXPECT_GT(testing::chi_square_p(along, expected), 1e-4);
-  EXPECT_GT(testing::chi_square_p(beside, expected), 1e-4);
+  expect_uniform(12, [](const Vec2& u) {
+    const Vec2 v = GaussianShape::sample_visible({1, 0, -kLean}, {u.x(), u.y()});
+    const double w = 2 * kLean * (-v.x() - kLean);
+    return Vec2(1 - (1 + w) * std::exp(-w), (1 + std::erf(v.y())) / 2);
+  });
 }
 
 TEST(Beckmann, IsTheTextbooks) {

@@ -247,7 +247,7 @@ double constant_reflectance_error(const HeightField& surface) {
 }
 
 // A flat plate has one normal, that of its only direction of any light; slopes of 0.14 cost a fraction of a
-// percent of D, slopes of 0.9 percents (docs/kirchhoff-zoo.md).
+// percent of D, slopes of 0.9 percents (docs/zoo.md).
 TEST(ExactField, ConstantReflectanceCostsLittleOnGentleSlopes) {
   const double rough =
       constant_reflectance_error(testing::make_gaussian_surface({.rows = 96, .cols = 128}, 1));
