@@ -1,9 +1,9 @@
-/* What Gwyddion's library says about a raw height field: an independent reference for `microbrdf info`, and for
-   the project's claim of speed. Built and run by gwyddion_statistics.py:
+/* What Gwyddion's library says about a raw height field: an independent reference for `microbrdf info`, and
+   for the project's claim of speed. Built and run by gwyddion_statistics.py:
 
-     gwyddion_statistics statistics FILE ROWS COLS DX DY   heights levelled by the masked least-squares plane, then
-                                                           one JSON object
-     gwyddion_statistics time FILE ROWS COLS DX DY         seconds of gwy_data_field_fit_local_planes, size 32
+     gwyddion_statistics statistics FILE ROWS COLS DX DY   heights levelled by the masked least-squares plane,
+   then one JSON object gwyddion_statistics time FILE ROWS COLS DX DY         seconds of
+   gwy_data_field_fit_local_planes, size 32
 
    FILE holds ROWS × COLS doubles, µm, NaN = missing; DX and DY are µm. Lengths are passed on as they are. */
 #include <glib-object.h>
@@ -16,7 +16,8 @@
 #include <time.h>
 
 /* Reads the heights; missing ones become 0 in the field and 0 in the mask (1 where there is a height). */
-static GwyDataField* read_field(const char* path, int rows, int cols, double dx, double dy, GwyDataField** mask) {
+static GwyDataField* read_field(const char* path, int rows, int cols, double dx, double dy,
+                                GwyDataField** mask) {
   GwyDataField* field = gwy_data_field_new(cols, rows, cols * dx, rows * dy, TRUE);
   *mask = gwy_data_field_new_alike(field, TRUE);
   double* z = gwy_data_field_get_data(field);
@@ -39,17 +40,22 @@ static void statistics(GwyDataField* field, GwyDataField* mask, int rows, int co
   double a, bx, by, mean, sa, sq, ssk, sku, low, high;
   gwy_data_field_area_fit_plane_mask(field, mask, GWY_MASK_INCLUDE, 0, 0, cols, rows, &a, &bx, &by);
   gwy_data_field_plane_level(field, a, bx, by);
-  gwy_data_field_area_get_stats_mask(field, mask, GWY_MASK_INCLUDE, 0, 0, cols, rows, &mean, &sa, &sq, &ssk, &sku);
+  gwy_data_field_area_get_stats_mask(field, mask, GWY_MASK_INCLUDE, 0, 0, cols, rows, &mean, &sa, &sq, &ssk,
+                                     &sku);
   gwy_data_field_area_get_min_max_mask(field, mask, GWY_MASK_INCLUDE, 0, 0, cols, rows, &low, &high);
-  const double slope = gwy_data_field_area_get_surface_slope_mask(field, mask, GWY_MASK_INCLUDE, 0, 0, cols, rows);
-  const double area = gwy_data_field_area_get_surface_area_mask(field, mask, GWY_MASK_INCLUDE, 0, 0, cols, rows);
+  const double slope =
+      gwy_data_field_area_get_surface_slope_mask(field, mask, GWY_MASK_INCLUDE, 0, 0, cols, rows);
+  const double area =
+      gwy_data_field_area_get_surface_area_mask(field, mask, GWY_MASK_INCLUDE, 0, 0, cols, rows);
   double projected = 0; /* Gwyddion gives each valid point its pixel's area */
   const double* there = gwy_data_field_get_data_const(mask);
   for (int k = 0; k < rows * cols; ++k)
     projected += there[k] * gwy_data_field_get_dx(field) * gwy_data_field_get_dy(field);
-  printf("{\"Sq_um\": %.17g, \"Sa_um\": %.17g, \"Sz_um\": %.17g, \"Ssk\": %.17g, \"Sku\": %.17g, \"Sdq\": %.17g, "
-         "\"Sdr\": %.17g}\n",
-         sq, sa, high - low, ssk, sku + 3, slope, area / projected - 1);
+  printf(
+      "{\"Sq_um\": %.17g, \"Sa_um\": %.17g, \"Sz_um\": %.17g, \"Ssk\": %.17g, \"Sku\": %.17g, \"Sdq\": "
+      "%.17g, "
+      "\"Sdr\": %.17g}\n",
+      sq, sa, high - low, ssk, sku + 3, slope, area / projected - 1);
 }
 
 static void time_local_planes(GwyDataField* field) {

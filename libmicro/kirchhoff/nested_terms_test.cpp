@@ -30,8 +30,7 @@ double rms_error(const HeightHistogram& heights, const NestedTerms& terms, const
 }
 
 TEST(NestedTerms, FirstTermsServeSmallWaveNumbers) {
-  const HeightHistogram heights =
-      height_histogram(testing::make_gaussian_surface({.rms = 0.4}, 1));
+  const HeightHistogram heights = height_histogram(testing::make_gaussian_surface({.rms = 0.4}, 1));
   const WaveRange q = {0, 30};
   for (const double tolerance : {1e-3, 1e-5}) {
     const HeightBasis basis(heights, 0, q, tolerance);
