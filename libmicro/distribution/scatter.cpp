@@ -31,31 +31,41 @@ Quartiles quartiles(const std::vector<double>& values, const std::vector<double>
   return {quantile(0.5), (quantile(0.75) - quantile(0.25)) / 2};
 }
 
-/// A step of the estimate: weights 2/(1 + |v|²) and 4/(1 + |v|²) are those of two degrees of freedom in
-/// units of the ellipsoid's scale.
-SlopeFrame step(const SlopeFrame& frame, const TableNodes& nodes, std::size_t stride, double floor) {
-  double mass = 0, sum_w = 0, a = 0, b = 0, aa = 0, ab = 0, bb = 0;
+/// Every k-th node with mass as a slope.
+WeightedSlopes slopes_of(const TableNodes& nodes, std::size_t stride) {
+  WeightedSlopes slopes;
   for (std::size_t k = 0; k < nodes.size(); k += stride) {
-    const double d = nodes.density[k];
-    if (!(d > 0)) continue;
+    if (!(nodes.density[k] > 0)) continue;
     const double z = std::sqrt(1 - nodes.x[k] * nodes.x[k] - nodes.y[k] * nodes.y[k]);
-    const Vec2 v = frame.whiten({-nodes.x[k] / z, -nodes.y[k] / z});
-    const double w = d / (1 + v.squaredNorm());
-    mass += d;
+    slopes.x.push_back(-nodes.x[k] / z);
+    slopes.y.push_back(-nodes.y[k] / z);
+    slopes.weight.push_back(nodes.density[k]);
+  }
+  return slopes;
+}
+
+}  // namespace
+
+SlopeFrame scatter_step(const SlopeFrame& frame, const WeightedSlopes& slopes, double least) {
+  const double i11 = 1 / frame.l11, i22 = 1 / frame.l22;
+  double sum_w = 0, a = 0, b = 0, aa = 0, ab = 0, bb = 0;
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    const double v1 = (slopes.x[k] - frame.centre.x()) * i11,
+                 v2 = (slopes.y[k] - frame.centre.y() - frame.l21 * v1) * i22;
+    const double w = slopes.weight[k] / (1 + v1 * v1 + v2 * v2);
     sum_w += w;
-    a += w * v.x();
-    b += w * v.y();
-    aa += w * v.x() * v.x();
-    ab += w * v.x() * v.y();
-    bb += w * v.y() * v.y();
+    a += w * v1;
+    b += w * v2;
+    aa += w * v1 * v1;
+    ab += w * v1 * v2;
+    bb += w * v2 * v2;
   }
   const double ma = a / sum_w, mb = b / sum_w;  // the new centre, in the old frame
-  const double to_scale = 4 / mass;
-  aa = to_scale * (aa - sum_w * ma * ma);
-  ab = to_scale * (ab - sum_w * ma * mb);
-  bb = to_scale * (bb - sum_w * mb * mb);
-  // Σ = L·[aa, ab; ab, bb]·Lᵀ; nothing is narrower than the table's own bins.
-  const double least1 = floor / frame.l11, least2 = floor / frame.l22;
+  aa = 2 * (aa / sum_w - ma * ma);
+  ab = 2 * (ab / sum_w - ma * mb);
+  bb = 2 * (bb / sum_w - mb * mb);
+  // Σ = L·[aa, ab; ab, bb]·Lᵀ.
+  const double least1 = least / frame.l11, least2 = least / frame.l22;
   const double c11 = std::sqrt(std::max(aa, least1 * least1)), c21 = ab / c11,
                c22 = std::sqrt(std::max(bb - c21 * c21, least2 * least2));
   SlopeFrame next;
@@ -65,8 +75,6 @@ SlopeFrame step(const SlopeFrame& frame, const TableNodes& nodes, std::size_t st
   next.l22 = frame.l22 * c22;
   return next;
 }
-
-}  // namespace
 
 TableNodes core_nodes(const DiskTable& table, std::size_t most) {
   const Eigen::Index n = table.grid.size;
@@ -114,8 +122,9 @@ SlopeFrame slope_scatter(const TableNodes& core, const DiskGrid& grid) {
   frame.l11 = std::max(x.half_range, spacing) / z2;
   frame.l22 = std::max(y.half_range, spacing) / z2;
   const std::size_t stride = std::max<std::size_t>(1, core.size() / kNodes);
-  for (int k = 0; k < kSteps && core.size() > 0; ++k)
-    frame = step(frame, core, stride, spacing / 4);
+  const WeightedSlopes slopes = slopes_of(core, stride);
+  for (int k = 0; k < kSteps && slopes.size() > 0; ++k)
+    frame = scatter_step(frame, slopes, spacing / 4);  // nothing is narrower than the table's own bins
   return frame;
 }
 
