@@ -32,19 +32,6 @@ struct ScanOutcome {
   std::optional<Picture> thumbnail;
 };
 
-/// Why a scan is not part of the result: what the exception in flight says, without the file's name.
-std::string failure() {
-  try {
-    throw;
-  } catch (const FileError& error) {
-    return error.fact();
-  } catch (const std::bad_alloc&) {
-    return "not enough memory for this scan";
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-}
-
 /// What is asked of every scan.
 struct Estimators {
   std::vector<NdfEstimator> tables;
@@ -62,15 +49,7 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Est
     record.sha256 = sha256_of_file(scan.path);
     const PreparedScan prepared = prepare_scan(scan.path, request.prepare);
     const HeightField& surface = prepared.surface;
-    record.format = prepared.format;
-    record.rows = surface.rows();
-    record.cols = surface.cols();
-    record.dx = surface.dx;
-    record.dy = surface.dy;
-    record.missing = prepared.missing;
-    record.holes = missing_count(surface);
-    record.rejected = prepared.rejected;
-    record.filled = prepared.filled;
+    describe(record, prepared);
     if (request.statistics == NdfRequest::Statistics::Compute) {
       record.Sq = Sq(surface);
       record.Sdq = Sdq(surface);
@@ -97,7 +76,7 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Est
                    [&] { outcome.directions = (*estimators.directions)(surface); });
     if (thumbnail) outcome.thumbnail = thumbnail_of(surface);
   } catch (...) {
-    record.failure = failure();
+    record.failure = reason_of_failure();
   }
   return outcome;
 }
@@ -111,7 +90,7 @@ ScanOutcome look_at_pitch(const ListedScan& scan, const NdfRequest& request) {
     outcome.record.dx = surface.dx;
     outcome.record.dy = surface.dy;
   } catch (...) {
-    outcome.record.failure = failure();
+    outcome.record.failure = reason_of_failure();
   }
   return outcome;
 }

@@ -17,6 +17,7 @@
 #include "pipelines/plan.h"
 #include "pipelines/prepare_scan.h"
 #include "pipelines/scan_listing.h"
+#include "pipelines/scan_record.h"
 
 namespace micro {
 
@@ -46,19 +47,6 @@ struct NdfRequest {
   enum class Unfit { LeaveOut, Fail } unfit = Unfit::LeaveOut;
   enum class Statistics { LeaveOut, Compute } statistics = Statistics::Compute;
   int thumbnails = 0;  ///< pictures of the first so many scans
-};
-
-/// What is kept of each scan.
-struct ScanRecord {
-  std::string source, sha256, format;
-  Eigen::Index rows = 0, cols = 0;
-  Eigen::Index missing = 0;               ///< as in the file
-  Eigen::Index holes = 0;                 ///< missing after the repairs
-  double dx = 0, dy = 0;                  ///< µm
-  Eigen::Index rejected = 0, filled = 0;  ///< outliers made missing; missing points filled
-  std::optional<double> Sq;               ///< µm, after levelling
-  std::optional<double> Sdq;              ///< after levelling
-  std::optional<std::string> failure;     ///< why it is not part of the result; does not repeat its name
 };
 
 struct NdfResult {

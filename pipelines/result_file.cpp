@@ -1,53 +1,14 @@
 #include "pipelines/result_file.h"
 
-#include <chrono>
-#include <ctime>
-#include <iomanip>
-#include <sstream>
-
 #include "io/exr.h"
 #include "io/hdf5_writer.h"
+#include "io/microbrdf_hdf5.h"
+#include "pipelines/origin.h"
 #include "pipelines/spectrum_file.h"
 #include "pipelines/version.h"
 
 namespace micro {
 namespace {
-
-/// UTC, ISO 8601.
-std::string now() {
-  const std::time_t time = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&time, &utc);
-  std::ostringstream text;
-  text << std::put_time(&utc, "%Y-%m-%dT%H:%M:%SZ");
-  return text.str();
-}
-
-std::string numbered(std::size_t k) {
-  std::ostringstream text;
-  text << std::setw(5) << std::setfill('0') << k;
-  return text.str();
-}
-
-void write_scan(Hdf5Writer& file, const std::string& group, const ScanRecord& scan) {
-  file.create_group(group);
-  const auto set = [&](const char* name, const auto& value) { file.set_attribute(group, name, value); };
-  set("source", std::string_view(scan.source));
-  set("status", std::string_view(scan.failure ? "failed" : "done"));
-  set("message", std::string_view(scan.failure.value_or("")));
-  if (!scan.sha256.empty()) set("sha256", std::string_view(scan.sha256));
-  if (scan.failure) return;
-  set("scan_format", std::string_view(scan.format));
-  set("rows", scan.rows);
-  set("cols", scan.cols);
-  set("dx_um", scan.dx);
-  set("dy_um", scan.dy);
-  set("missing", scan.missing);
-  if (scan.rejected > 0) set("rejected", scan.rejected);
-  if (scan.filled > 0) set("filled", scan.filled);
-  if (scan.Sq) set("Sq_um", *scan.Sq);
-  if (scan.Sdq) set("Sdq", *scan.Sdq);
-}
 
 /// m_x of the columns, or m_y of the rows: the axes that readers see.
 std::vector<double> axis(const DiskGrid& grid) {
@@ -143,14 +104,8 @@ void write_ndf(Hdf5Writer& file, const NdfOfScans& ndf) {
 
 void write_result(const std::filesystem::path& path, const NdfResult& result, const std::string& command) {
   Hdf5Writer file(path);
-  file.set_attribute("/", "format", std::string_view("microbrdf"));
-  file.set_attribute("/", "format_version", 1);
-  file.set_attribute("/", "microbrdf_version", version());
-  file.set_attribute("/", "created", std::string_view(now()));
-  file.set_attribute("/", "command", std::string_view(command));
-  file.create_group("/scans");
-  for (std::size_t k = 0; k < result.scans.size(); ++k)
-    write_scan(file, "/scans/" + numbered(k), result.scans[k]);
+  write_origin(file, origin_of(command));
+  write_scans(file, result.scans);
   if (!result.empty()) file.create_group("/ndf");
   for (const NdfOfScans& ndf : result.ndfs)
     write_ndf(file, ndf);

@@ -37,6 +37,7 @@ constexpr std::array kCommands = {
     Command{"ndf", "Normal distributions of scans, averaged, in one HDF5 file", micro::tools::add_ndf},
     Command{"fit", "Ellipsoid and Beckmann fits of every normal distribution in a file",
             micro::tools::add_fit},
+    Command{"texture", "Ellipsoids of texels, and large textures made like them", micro::tools::add_texture},
     Command{"study", "The paper's experiments on your own scans", micro::tools::add_study},
 };
 

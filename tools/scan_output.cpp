@@ -1,8 +1,6 @@
 #include "tools/scan_output.h"
 
 #include <array>
-#include <chrono>
-#include <ctime>
 #include <iomanip>
 #include <iostream>
 #include <sstream>
@@ -10,7 +8,7 @@
 #include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
 #include "io/zygo_dat.h"
-#include "pipelines/version.h"
+#include "pipelines/origin.h"
 #include "tools/json_output.h"
 #include "tools/units.h"
 
@@ -19,21 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string now_utc() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm utc{};
-  gmtime_r(&now, &utc);
-  std::array<char, sizeof "2000-01-01T00:00:00Z"> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text.data();
-}
-
 constexpr std::array kTargets = {
     ScanTarget{".h5", kMicrobrdfHdf5.name.data(),
                [](const fs::path& path, const HeightField& surface, const std::string& command) {
-                 write_microbrdf_hdf5(
-                     path, surface,
-                     {.version = std::string(version()), .created = now_utc(), .command = command});
+                 write_microbrdf_hdf5(path, surface, origin_of(command));
                }},
     ScanTarget{".dat", kZygoDat.name.data(),
                [](const fs::path& path, const HeightField& surface, const std::string&) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "core/error.h"
 #include "distribution/scatter.h"
@@ -28,10 +29,11 @@ struct Descent {
 
 /// Levenberg–Marquardt [Marquardt63] in the frame's own coordinates; `equations_at` gives the sums for a
 /// frame. It has converged when the next step would move nothing by more than `tolerance` widths, or lower
-/// the cost by no more than 1e-9 of it; that step is taken unseen.
+/// the cost by no more than `least_gain` of it; that step is taken unseen.
 template <typename EquationsAt>
-Descent descend(const SlopeFrame& start, double damping, double tolerance, EquationsAt&& equations_at) {
-  constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12, kLeastGain = 1e-9;
+Descent descend(const SlopeFrame& start, double damping, double tolerance, EquationsAt&& equations_at,
+                double least_gain = 1e-9) {
+  constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12;
   constexpr int kMost = 60;
   Descent descent{start, equations_at(start)};
   while (descent.iterations < kMost) {
@@ -46,7 +48,7 @@ Descent descend(const SlopeFrame& start, double damping, double tolerance, Equat
     const SlopeFrame next = moved(descent.frame, step);
     ++descent.iterations;
     // Half of gradient·step is what the model of the cost would still gain.
-    if (length <= tolerance || now.gradient.dot(step) <= kLeastGain * now.cost) {
+    if (length <= tolerance || now.gradient.dot(step) <= least_gain * now.cost) {
       if (damping < 1) descent.frame = next;
       descent.converged = true;
       break;
@@ -132,27 +134,34 @@ std::string_view name_of(FitStatus status) {
   return "";
 }
 
-Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
-  constexpr double kDamping = 1e-6, kTolerance = 1e-6, kResolved = 2;
+namespace {
+
+/// What is said of a table that holds nothing, if this one does.
+std::optional<Fit> empty_fit(const DiskTable& table, FitModel model) {
   if (!table.density.isFinite().all()) throw InputError("the table holds a density that is not finite");
+  if (table.density.maxCoeff() > 0) return std::nullopt;
   Fit result;
   result.model = model;
   result.covariance.setConstant(kNaN);
   result.step_covariance.setConstant(kNaN);
-  if (!(table.density.maxCoeff() > 0)) {
-    result.parameters = {kNaN, kNaN, kNaN, kNaN, kNaN};
-    result.frame = {{kNaN, kNaN}, kNaN, kNaN, kNaN};
-    result.rel_rms = result.nodes_across = kNaN;
-    result.undetermined = "the table holds nothing";
-    return result;
-  }
-  const Descent start = descend_on_core(table, model, weighting);
-  TableEquations equations(table);
-  const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
-  const Descent end = descend(start.frame, kDamping, kTolerance, equations_at);
+  result.parameters = {kNaN, kNaN, kNaN, kNaN, kNaN};
+  result.frame = {{kNaN, kNaN}, kNaN, kNaN, kNaN};
+  result.rel_rms = result.nodes_across = kNaN;
+  result.undetermined = "the table holds nothing";
+  return result;
+}
+
+/// The fit at the end of a descent on the whole table.
+Fit conclude(const Descent& end, TableEquations& equations, const DiskGrid& grid, FitModel model,
+             Weighting weighting) {
+  constexpr double kResolved = 2;
+  Fit result;
+  result.model = model;
+  result.covariance.setConstant(kNaN);
+  result.step_covariance.setConstant(kNaN);
   result.frame = end.frame;
-  result.iterations = start.iterations + end.iterations;
-  result.nodes_across = nodes_across(end.frame, model, table.grid);
+  result.iterations = end.iterations;
+  result.nodes_across = nodes_across(end.frame, model, grid);
   const NormalEquations linear =
       weighting == Weighting::SolidAngle ? end.equations : equations(end.frame, model, Weighting::SolidAngle);
   result.rel_rms = std::sqrt(linear.cost / linear.data);
@@ -176,6 +185,30 @@ Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
                   : result.nodes_across < kResolved ? FitStatus::Unresolved
                                                     : FitStatus::Converged;
   return result;
+}
+
+}  // namespace
+
+Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
+  constexpr double kDamping = 1e-6, kTolerance = 1e-6;
+  if (auto empty = empty_fit(table, model)) return *empty;
+  const Descent start = descend_on_core(table, model, weighting);
+  TableEquations equations(table);
+  const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
+  Fit result = conclude(descend(start.frame, kDamping, kTolerance, equations_at), equations, table.grid,
+                        model, weighting);
+  result.iterations += start.iterations;
+  return result;
+}
+
+Fit fit_from(const SlopeFrame& start, double tolerance, const DiskTable& table, FitModel model,
+             Weighting weighting) {
+  constexpr double kDamping = 1e-3;
+  if (auto empty = empty_fit(table, model)) return *empty;
+  TableEquations equations(table);
+  const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
+  return conclude(descend(start, kDamping, tolerance, equations_at, tolerance * tolerance), equations,
+                  table.grid, model, weighting);
 }
 
 }  // namespace micro

@@ -43,4 +43,9 @@ struct Fit {
 /// Throws InputError if a density is not finite. No memory is taken while it iterates.
 Fit fit(const DiskTable& table, FitModel model, Weighting weighting = Weighting::SolidAngle);
 
+/// The same from a start that is known to be good, until no step would move anything by more than `tolerance`
+/// widths or lower the cost by more than tolerance² of it.
+Fit fit_from(const SlopeFrame& start, double tolerance, const DiskTable& table, FitModel model,
+             Weighting weighting = Weighting::SolidAngle);
+
 }  // namespace micro

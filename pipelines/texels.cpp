@@ -1,0 +1,164 @@
+#include "pipelines/texels.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/estimate.h"
+#include "core/parallel.h"
+#include "io/sha256.h"
+#include "pipelines/pitch_groups.h"
+
+namespace micro {
+namespace {
+
+struct ScanTexels {
+  ScanRecord record;
+  SurfaceTexels cut;
+};
+
+/// Points of a block `length` µm long.
+Eigen::Index points_of(double length, double pitch) {
+  return std::max<Eigen::Index>(1, std::lround(length / pitch));
+}
+
+ScanTexels cut_scan(const ListedScan& scan, const TexelRequest& request) {
+  ScanTexels outcome;
+  outcome.record.source = scan.source;
+  try {
+    outcome.record.sha256 = sha256_of_file(scan.path);
+    const PreparedScan prepared = prepare_scan(scan.path, request.prepare);
+    describe(outcome.record, prepared);
+    TexelCut cut{.sigma = request.sigma, .ndf_size = request.ndf_size};
+    if (request.block) {
+      cut.cols = points_of(request.block->x(), prepared.surface.dx);
+      cut.rows = points_of(request.block->y(), prepared.surface.dy);
+    }
+    outcome.cut = texels_of_surface(prepared.surface, cut);
+  } catch (...) {
+    outcome.record.failure = reason_of_failure();
+  }
+  return outcome;
+}
+
+/// Puts the scans' texels into the grid; all scans must hold as many.
+void assemble(Texels& texels, std::vector<ScanTexels>& cuts, const TexelLayout& layout,
+              const TexelRequest& request) {
+  const auto first =
+      std::find_if(cuts.begin(), cuts.end(), [](const ScanTexels& c) { return !c.record.failure; });
+  if (first == cuts.end()) return;
+  const Eigen::Index down = first->cut.rows, across = first->cut.cols;
+  const ScanRecord& like = first->record;
+  texels.width =
+      like.dx * static_cast<double>(request.block ? points_of(request.block->x(), like.dx) : like.cols);
+  texels.height =
+      like.dy * static_cast<double>(request.block ? points_of(request.block->y(), like.dy) : like.rows);
+  texels.rows = layout.rows * down;
+  texels.cols = layout.cols * across;
+  const auto count = static_cast<std::size_t>(texels.rows * texels.cols);
+  texels.texels.resize(count);
+  texels.states.assign(count, TexelState::Gap);
+  texels.scan.assign(count, -1);
+  for (std::size_t k = 0; k < cuts.size(); ++k) {
+    ScanTexels& scan = cuts[k];
+    if (scan.record.failure) continue;
+    if (scan.cut.rows != down || scan.cut.cols != across) {
+      scan.record.failure = "holds " + std::to_string(scan.cut.rows) + " x " + std::to_string(scan.cut.cols) +
+                            " texels, " + like.source + " holds " + std::to_string(down) + " x " +
+                            std::to_string(across);
+      continue;
+    }
+    for (Eigen::Index j = 0; j < down; ++j)
+      for (Eigen::Index i = 0; i < across; ++i) {
+        const Eigen::Index row = layout.places[k].row * down + j, col = layout.places[k].col * across + i;
+        const auto place = static_cast<std::size_t>(row * texels.cols + col);
+        texels.texels[place] = std::move(scan.cut.texels[static_cast<std::size_t>(j * across + i)]);
+        texels.scan[place] = static_cast<std::int32_t>(k);
+        if (texels.texels[place].normals > 0) texels.states[place] = TexelState::Fitted;
+      }
+  }
+}
+
+/// A common plane's slope is taken off every slope, which moves every lobe's centre as much.
+void remove_common_tilt(Texels& texels) {
+  double normals = 0;
+  Vec2 sum = {0, 0};
+  for (const Texel& texel : texels.texels) {
+    normals += static_cast<double>(texel.normals);
+    sum += static_cast<double>(texel.normals) * texel.mean_slope;
+  }
+  if (normals == 0) return;
+  texels.tilt = sum / normals;
+  for (Texel& texel : texels.texels) {
+    if (texel.normals == 0) continue;
+    texel.fit.frame.centre -= texels.tilt;
+    texel.fit.parameters = canonical_parameters(texel.fit.frame);
+  }
+}
+
+void plan_texels(Texels& texels, const TexelLayout& layout, const TexelRequest& request) {
+  const auto read = std::count_if(texels.scans.begin(), texels.scans.end(),
+                                  [](const ScanRecord& scan) { return !scan.failure; });
+  texels.plan.push_back(ran("layout", layout.how));
+  const Eigen::Index places = texels.rows * texels.cols;
+  std::int64_t converged = 0;
+  double independent = 0;
+  for (const Texel& texel : texels.texels) {
+    converged += texel.normals > 0 && texel.fit.status == FitStatus::Converged ? 1 : 0;
+    independent += texel.independent;
+  }
+  const auto n = std::max<std::int64_t>(1, texels.count());
+  texels.plan.push_back(ran("texels", std::to_string(texels.rows) + " x " + std::to_string(texels.cols) +
+                                          " of " + counted(read, "scan") + ", " + counted(converged, "fit") +
+                                          " converged, " + counted(places - texels.count(), "gap") +
+                                          ", about " +
+                                          std::to_string(std::lround(independent / static_cast<double>(n))) +
+                                          " independent normals each"));
+  const bool removed = request.tilt == TexelRequest::Tilt::RemoveCommon;
+  texels.plan.push_back(stage_if(removed, "common tilt",
+                                 removed ? "slope " + std::to_string(texels.tilt.x()) + ", " +
+                                               std::to_string(texels.tilt.y()) + " removed from all"
+                                         : "scans were levelled one by one"));
+}
+
+}  // namespace
+
+std::int64_t Texels::count() const {
+  return std::count_if(states.begin(), states.end(), [](TexelState s) { return s != TexelState::Gap; });
+}
+
+Texels texels_of_scans(const ScanListing& listing, const TexelRequest& request,
+                       const std::function<void(const Progress&)>& report) {
+  const Stopwatch watch;
+  const TexelLayout layout = lay_out(listing, request.layout);
+  Texels texels;
+  texels.sigma = request.sigma;
+  texels.ndf_size = request.ndf_size;
+  std::vector<ScanTexels> cuts;
+  PitchGroups pitches;
+  const auto total = static_cast<std::int64_t>(listing.scans.size());
+  parallel_in_order(
+      total, [&](std::int64_t k) { return cut_scan(listing.scans[static_cast<std::size_t>(k)], request); },
+      [&](std::int64_t k, ScanTexels outcome) {
+        if (!outcome.record.failure) pitches.add(outcome.record.dx, outcome.record.dy, outcome.record.source);
+        cuts.push_back(std::move(outcome));
+        report({k + 1, total, cuts.back().record.source});
+      });
+  if (pitches.mixed()) {
+    std::vector<FailedScan> failed;
+    for (const ScanTexels& cut : cuts)
+      if (cut.record.failure) failed.push_back({cut.record.source, *cut.record.failure});
+    throw MixedPitches(pitches, std::move(failed));
+  }
+  assemble(texels, cuts, layout, request);
+  for (ScanTexels& cut : cuts)
+    texels.scans.push_back(std::move(cut.record));
+  if (request.tilt == TexelRequest::Tilt::RemoveCommon) remove_common_tilt(texels);
+  plan_texels(texels, layout, request);
+  shrink_few(texels, request.enough);
+  texels.seconds = watch.seconds();
+  return texels;
+}
+
+}  // namespace micro

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "distribution/slope_coordinates.h"
+#include "pipelines/ndf_of_scans.h"
+#include "pipelines/texel_layout.h"
+#include "pipelines/texels_of_surface.h"
+
+namespace micro {
+
+/// What texels are made of.
+struct TexelRequest {
+  Preparation prepare = {{}, Level::Mean, {}, Preparation::Holes::Keep};
+  /// A plane common to all scans is the sample's tilt on the stage, and goes; a plane of each scan's own
+  /// would take the texels' own tilt with it.
+  enum class Tilt { RemoveCommon, Keep } tilt = Tilt::RemoveCommon;
+  double sigma = 1;           ///< µm
+  std::optional<Vec2> block;  ///< width and height of a texel, µm; absent: each scan is one
+  LayoutRule layout = InOrder{};
+  double enough = 50;  ///< independent normals below which a texel's fit is shrunk
+  int ndf_size = 33;   ///< see TexelCut::ndf_size
+};
+
+/// How a texel of the grid came about.
+enum class TexelState : std::int32_t {
+  Gap = -1,  ///< no scan there, or no normal
+  Fitted,    ///< as fitted
+  Shrunk,    ///< drawn towards the set's mean: too few independent normals
+  Few,       ///< as fitted from too few, since the set does not say what is usual
+};
+
+/// A grid of texels [rows, cols], row-major.
+struct Texels {
+  Eigen::Index rows = 0, cols = 0;
+  double width = 0, height = 0;  ///< µm, of a texel
+  double sigma = 0;              ///< µm
+  int ndf_size = 0;
+  Vec2 tilt = {0, 0};  ///< common slope that was removed
+  std::vector<Texel> texels;
+  std::vector<TexelState> states;
+  std::vector<std::int32_t> scan;  ///< which one it lies in; −1 none
+  std::vector<ScanRecord> scans;
+  Plan plan;
+  double seconds = 0;
+
+  /// Texels that have a lobe.
+  std::int64_t count() const;
+};
+
+/// Reads scans, lays them out, and fits each texel [Dong15 §9]. A scan that fails is recorded and leaves a
+/// gap. The same for any number of threads. Throws MixedPitches if pitches differ by more than 1 %,
+/// InputError if the layout makes no sense.
+Texels texels_of_scans(const ScanListing& listing, const TexelRequest& request,
+                       const std::function<void(const Progress&)>& report);
+
+/// Draws texels of fewer than `enough` independent normals towards the mean of the others, in slope
+/// coordinates: µ + B(B + E)⁻¹(p − µ), B the covariance between texels less what errors add to it, E the
+/// texel's own error, which is taken from all texels' and the number of its normals. Says what it did in the
+/// plan.
+void shrink_few(Texels& texels, double enough);
+
+/// Writes /texels (docs/design.md has its layout).
+void write_texels(Hdf5Writer& file, const Texels& texels);
+
+}  // namespace micro

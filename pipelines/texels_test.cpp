@@ -1,0 +1,201 @@
+#include "pipelines/texels.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "fit/slope_fit.h"
+#include "height/gaussian_surface.h"
+#include "io/hdf5_reader.h"
+#include "io/zygo_dat.h"
+#include "ndf/local_planes.h"
+#include "testing/temporary_folder.h"
+
+namespace micro {
+namespace {
+
+constexpr GaussianField kRough = {.rms = 0.3, .tau_x = 3, .tau_y = 3};
+
+HeightField rough(Eigen::Index rows, Eigen::Index cols, std::uint64_t seed) {
+  return gaussian_surface({rows, cols, 0.25, 0.25}, kRough, seed);
+}
+
+ScanListing listing_of(const std::vector<std::string>& names) {
+  ScanListing listing;
+  for (const std::string& name : names)
+    listing.scans.push_back({name, name});
+  return listing;
+}
+
+TEST(TexelLayout, ReadsNamesAndManifests) {
+  const TexelLayout named = lay_out(listing_of({"a/r02_c10.dat", "a/r03_c09.dat"}), ByName{"r{row}_c{col}"});
+  EXPECT_EQ(named.rows, 2);
+  EXPECT_EQ(named.cols, 2);
+  EXPECT_EQ(named.places[0].row, 0);
+  EXPECT_EQ(named.places[0].col, 1);
+  EXPECT_EQ(named.places[1].row, 1);
+  EXPECT_EQ(named.places[1].col, 0);
+  const TexelLayout strip = lay_out(listing_of({"x 7.dat", "x 5.dat"}), ByName{"x {col}."});
+  EXPECT_EQ(strip.cols, 3);
+  EXPECT_EQ(strip.rows, 1);
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "places.csv";
+  std::ofstream(path) << "# source,row,col\n\na,b.dat,4,1\r\nc.dat,4,3\nunused.dat,0,0\n";
+  const TexelLayout listed = lay_out(listing_of({"c.dat", "a,b.dat"}), Manifest{path});
+  EXPECT_EQ(listed.cols, 3);
+  EXPECT_EQ(listed.places[0].col, 2);
+  EXPECT_THROW(lay_out(listing_of({"z.dat"}), Manifest{path}), FileError);
+}
+
+TEST(TexelLayout, RefusesWhatMakesNoSense) {
+  EXPECT_THROW(lay_out(listing_of({"a.dat"}), ByName{"r{row}"}), InputError);
+  EXPECT_THROW(lay_out(listing_of({"r1.dat"}), ByName{"r1"}), InputError);
+  EXPECT_THROW(lay_out(listing_of({"r1.dat"}), ByName{"{row}{row}"}), InputError);
+  EXPECT_THROW(lay_out(listing_of({"r1.dat", "r01.dat"}), ByName{"r{row}"}), InputError);
+  EXPECT_THROW(lay_out(listing_of({"r1.dat", "r999999999.dat"}), ByName{"r{row}"}), InputError);
+  EXPECT_THROW(lay_out(listing_of({"r99999999999999999999.dat"}), ByName{"r{row}"}), InputError);
+  EXPECT_THROW(lay_out(listing_of({"a.dat"}), Manifest{"/nowhere/at/all"}), FileError);
+}
+
+TEST(TexelsOfSurface, AreTheBlocksOfTheWholeSurfacesNormals) {
+  const HeightField surface = rough(130, 200, 1);
+  const SlopeField slopes = local_planes(surface, 1);
+  const SurfaceTexels texels = texels_of_surface(surface, {40, 60, 1, 9});
+  ASSERT_EQ(texels.rows, 3);
+  ASSERT_EQ(texels.cols, 3);
+  for (Eigen::Index k = 0; k < 9; ++k) {
+    const Fit whole = fit_slopes(slopes.zx.block(k / 3 * 40, k % 3 * 60, 40, 60),
+                                 slopes.zy.block(k / 3 * 40, k % 3 * 60, 40, 60));
+    const Texel& texel = texels.texels[static_cast<std::size_t>(k)];
+    EXPECT_EQ(texel.fit.frame.l11, whole.frame.l11);
+    EXPECT_NEAR(texel.independent, 40 * 60 * 0.0625 / (4 * 3.14159265), 1e-6);
+    double mass = 0;
+    for (const float density : texel.slopes)
+      mass += density;
+    EXPECT_GT(mass, 0.8);  // a node is one width: nearly all of a light-tailed lobe
+    EXPECT_LE(mass, 1.0001);
+  }
+  EXPECT_THROW(texels_of_surface(surface, {131, 10, 1, 0}), InputError);
+}
+
+TEST(TexelsOfSurface, DoNotDependOnTheBands) {
+  // 2²² points a band: this surface takes two. Whole blocks of it alone take one.
+  const HeightField surface = rough(2200, 2200, 2);
+  const SurfaceTexels banded = texels_of_surface(surface, {550, 1100, 1, 0});
+  const SlopeField slopes = local_planes(surface, 1);
+  for (Eigen::Index k = 0; k < 8; ++k) {
+    const Fit whole = fit_slopes(slopes.zx.block(k / 2 * 550, k % 2 * 1100, 550, 1100),
+                                 slopes.zy.block(k / 2 * 550, k % 2 * 1100, 550, 1100));
+    EXPECT_NEAR(banded.texels[static_cast<std::size_t>(k)].fit.frame.l11, whole.frame.l11, 1e-9);
+  }
+}
+
+/// Scans in a folder, as texels.
+class TexelsOfScans : public ::testing::Test {
+ protected:
+  void scan(const std::string& name, const HeightField& surface) {
+    write_zygo_dat(folder_.path() / name, surface);
+  }
+  Texels texels(const TexelRequest& request) const {
+    return texels_of_scans(list_scans({folder_.path()}), request, [](const Progress&) {});
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(TexelsOfScans, LeaveGapsAndNameWhatFails) {
+  scan("r0_c0.dat", rough(80, 60, 1));
+  scan("r2_c1.dat", rough(80, 60, 2));
+  scan("r1_c1.dat", rough(80, 60, 3));
+  std::filesystem::resize_file(folder_.path() / "r1_c1.dat", 3000);
+  TexelRequest request;
+  request.layout = ByName{"r{row}_c{col}"};
+  const Texels found = texels(request);
+  EXPECT_EQ(found.rows, 3);
+  EXPECT_EQ(found.cols, 2);
+  EXPECT_EQ(found.count(), 2);
+  EXPECT_NEAR(found.width, 15, 1e-6);
+  EXPECT_NEAR(found.height, 20, 1e-6);
+  EXPECT_EQ(found.states[1], TexelState::Gap);
+  EXPECT_EQ(found.scan[3], -1);
+  EXPECT_EQ(std::count_if(found.scans.begin(), found.scans.end(),
+                          [](const auto& s) { return s.failure.has_value(); }),
+            1);
+  const auto path = folder_.path() / "out.h5";
+  Hdf5Writer file(path);
+  write_texels(file, found);
+  file.finish();
+  const std::vector<float> parameters = Hdf5Reader(path).read<float>("/texels/parameters");
+  ASSERT_EQ(parameters.size(), 3U * 2 * 5);
+  EXPECT_FLOAT_EQ(parameters[0], static_cast<float>(found.texels[0].fit.parameters.alpha_x));
+  EXPECT_TRUE(std::isnan(parameters[5]));
+}
+
+TEST_F(TexelsOfScans, LoseACommonPlaneAndNothingElse) {
+  // A stage that tilts every scan alike moves no lobe against another.
+  constexpr double kTilt = 0.05, kFloatHeights = 2e-4;
+  const std::vector<std::string> names = {"0.dat", "1.dat"};
+  for (std::uint64_t k = 0; k < 2; ++k)
+    scan(names[k], rough(100, 100, k));
+  const Texels plain = texels({});
+  for (std::uint64_t k = 0; k < 2; ++k) {
+    HeightField tilted = rough(100, 100, k);
+    for (Eigen::Index j = 0; j < 100; ++j)
+      for (Eigen::Index i = 0; i < 100; ++i)
+        tilted.z(j, i) += static_cast<float>(kTilt * 0.25 * static_cast<double>(i));
+    scan(names[k], tilted);
+  }
+  const Texels tilted = texels({});
+  EXPECT_NEAR(tilted.tilt.x() - plain.tilt.x(), kTilt, kFloatHeights);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const SlopeFrame &a = plain.texels[k].fit.frame, &b = tilted.texels[k].fit.frame;
+    EXPECT_NEAR(a.centre.x(), b.centre.x(), kFloatHeights);
+    EXPECT_NEAR(a.l11, b.l11, kFloatHeights);
+  }
+  EXPECT_GT(std::abs(plain.texels[0].fit.frame.centre.x() - plain.texels[1].fit.frame.centre.x()), 1e-3);
+}
+
+TEST_F(TexelsOfScans, ShrinkWhereNormalsAreFew) {
+  scan("a.dat", rough(400, 400, 5));
+  TexelRequest request;
+  request.block = Vec2(10, 10);
+  request.enough = 0;
+  const Texels plain = texels(request);
+  request.enough = 50;
+  const Texels shrunk = texels(request);
+  double before = 0, after = 0, mean = 0;
+  for (const Texel& texel : plain.texels)
+    mean += std::log(texel.fit.frame.l11) / static_cast<double>(plain.texels.size());
+  for (std::size_t k = 0; k < plain.texels.size(); ++k) {
+    EXPECT_EQ(plain.states[k], TexelState::Fitted);
+    EXPECT_EQ(shrunk.states[k], TexelState::Shrunk);
+    before += std::pow(std::log(plain.texels[k].fit.frame.l11) - mean, 2);
+    after += std::pow(std::log(shrunk.texels[k].fit.frame.l11) - mean, 2);
+  }
+  EXPECT_LT(after, before);
+  request.block = Vec2(33, 33);  // nine texels tell nothing of what is usual
+  request.enough = 1e4;
+  EXPECT_EQ(texels(request).states[0], TexelState::Few);
+}
+
+TEST_F(TexelsOfScans, AreTheSameForAnyNumberOfThreads) {
+  for (const char* name : {"0.dat", "1.dat", "2.dat"})
+    scan(name, rough(90, 90, static_cast<std::uint64_t>(name[0])));
+  TexelRequest request;
+  request.block = Vec2(11, 11);
+  const int threads = thread_count();
+  set_thread_count(1);
+  const Texels one = texels(request);
+  set_thread_count(3);
+  const Texels three = texels(request);
+  set_thread_count(threads);
+  ASSERT_EQ(one.texels.size(), three.texels.size());
+  for (std::size_t k = 0; k < one.texels.size(); ++k)
+    EXPECT_EQ(one.texels[k].fit.parameters.alpha_x, three.texels[k].fit.parameters.alpha_x);
+}
+
+}  // namespace
+}  // namespace micro
