@@ -127,6 +127,7 @@ Picture draw_plot(const Plot& plot, Eigen::Index width, Eigen::Index height) {
     draw_curve(canvas, curve);
   Eigen::Index row = kTop + 6;
   for (const Curve& curve : plot.curves) {
+    if (curve.name.empty()) continue;
     for (Eigen::Index i = 0; i < 12; ++i)
       for (Eigen::Index j = 0; j < 3; ++j)
         picture(row + j + 2, kLeft + 6 + i) = curve.colour;

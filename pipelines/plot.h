@@ -8,7 +8,8 @@
 
 namespace micro {
 
-/// A curve of a plot. Points with a y that is not finite or, on a logarithmic axis, not positive leave a gap.
+/// A curve of a plot; without a name the legend leaves it out. Points with a y that is not finite or, on a
+/// logarithmic axis, not positive leave a gap.
 struct Curve {
   std::string name;
   Rgb colour;

@@ -14,6 +14,8 @@ namespace {
 
 /// A ray has left the surface when it has risen this far, in σ_h: profiles reach ±5 at most.
 constexpr double kRise = 10;
+/// Facets of smaller slopes are level, σ_h/τ.
+constexpr double kLevel = 0.1;
 
 /// Rays that start somewhere and those of them that escape.
 struct Count {
@@ -66,7 +68,7 @@ template <typename T>
 struct Tally {
   std::array<Parts<T>, HeightBins::kCount> heights{};
   Parts<T> anywhere, both;
-  T crossings{};
+  T level{}, crossings{};
 };
 
 using Profile = std::vector<double>;
@@ -86,9 +88,9 @@ struct RaisedProfile {
   bool escapes(std::size_t k) const { return u[k] >= ahead[k + 1]; }
 };
 
-/// Rays from all points of [first, last) to the right; `mirrored` is the profile read from its other end.
+/// Rays from all points of [first, last) to both sides; `mirrored` is the profile read from its other end.
 Tally<Count> tally(const Profile& h, const Profile& mirrored, double rise, std::size_t first,
-                   std::size_t last) {
+                   std::size_t last, double level_step) {
   Tally<Count> counts;
   const RaisedProfile right(h, rise), left(mirrored, rise);
   const std::size_t n = h.size();
@@ -99,6 +101,7 @@ Tally<Count> tally(const Profile& h, const Profile& mirrored, double rise, std::
     add(counts.anywhere, faces_right, to_right);
     add(counts.anywhere, faces_left, to_left);
     add(counts.both, faces_right && faces_left, to_right && to_left);
+    if (std::abs(h[k + 1] - h[k]) < level_step) counts.level.add(to_right && to_left);
     const long bin = std::lrint(h[k] / HeightBins::kWidth) + HeightBins::kMean;
     if (bin >= 0 && bin < HeightBins::kCount) {
       Parts<Count>& here = counts.heights[static_cast<std::size_t>(bin)];
@@ -119,6 +122,7 @@ void add(Tally<Ratio>& sum, const Tally<Count>& count) {
     add(sum.heights[bin], count.heights[bin]);
   add(sum.anywhere, count.anywhere);
   add(sum.both, count.both);
+  sum.level.add(count.level);
   sum.crossings.add(count.crossings);
 }
 
@@ -130,6 +134,7 @@ ShadowingRow row_of(double nu, const Tally<Ratio>& sum) {
   row.from_crossings = sum.crossings.estimate();
   row.from_anywhere = estimate(sum.anywhere);
   row.both_ways = estimate(sum.both);
+  row.level_both_ways = sum.level.estimate();
   row.rays = row.from_anywhere.all.cost.evaluations;
   return row;
 }
@@ -174,7 +179,7 @@ std::vector<ShadowingRow> simulate_shadowing(const ShadowingRequest& request) {
         const Profile mirrored(h.rbegin(), h.rend());
         std::vector<Tally<Count>> counts;
         for (const double nu : request.nu)
-          counts.push_back(tally(h, mirrored, nu / per_tau, margin, margin + starts));
+          counts.push_back(tally(h, mirrored, nu / per_tau, margin, margin + starts, kLevel / per_tau));
         return counts;
       },
       [&](std::int64_t, const std::vector<Tally<Count>>& counts) {

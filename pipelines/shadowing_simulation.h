@@ -30,7 +30,8 @@ struct ShadowingRow {
                                     ///< places are crossed more often
   const EscapingPart& from_mean_height() const { return from_height[HeightBins::kMean]; }
   EscapingPart from_anywhere;
-  EscapingPart both_ways;  ///< starts whose rays towards +x and −x both escape
+  EscapingPart both_ways;            ///< starts whose rays towards +x and −x both escape
+  Estimate<double> level_both_ways;  ///< the same of facets whose slope is below 0.1 σ_h/τ: the mirror's
 };
 
 struct ShadowingRequest {

@@ -26,6 +26,7 @@ Run add_fit(CLI::App& app);
 Run add_run(CLI::App& app);
 Run add_texture(CLI::App& app);
 Run add_study(CLI::App& app);
-Run add_wave_study(CLI::App& app);  ///< of `study`
+Run add_wave_study(CLI::App& app);       ///< of `study`
+Run add_shadowing_study(CLI::App& app);  ///< of `study`
 
 }  // namespace micro::tools

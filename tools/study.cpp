@@ -21,10 +21,6 @@ struct Options {
   std::string output;
 };
 
-void write_text_file(const std::filesystem::path& path, const std::string& text) {
-  write_file(path, std::as_bytes(std::span(text)));
-}
-
 /// Leaves study.csv, study.md and contact_sheet.png in the output folder and the table on stdout.
 int conclude(const Study& study, const Options& options) {
   const std::filesystem::path output = options.output;
@@ -80,8 +76,12 @@ Run add_study(CLI::App& app) {
   CLI::App* waves = app.add_subcommand(
       "waves", "D_K against the filtered NDF on synthetic surfaces, measured and predicted [Dong15 §6.2]");
   const Run run_waves = add_wave_study(*waves);
+  CLI::App* shadowing = app.add_subcommand(
+      "shadowing", "Sun's free travel probability against simulation and Smith [Sun02 §3.4, §4]");
+  const Run run_shadowing = add_shadowing_study(*shadowing);
   return [=] {
     if (waves->parsed()) return run_waves();
+    if (shadowing->parsed()) return run_shadowing();
     if (filters->parsed())
       return conclude(study_filters(listing_of(*filter_options), make_request(filter_options->ndf, {}),
                                     progress_line(filter_options->common)),

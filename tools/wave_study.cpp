@@ -20,10 +20,6 @@ struct Options {
   std::string output;
 };
 
-void write_text_file(const std::filesystem::path& path, const std::string& text) {
-  write_file(path, std::as_bytes(std::span(text)));
-}
-
 int run(const Options& options) {
   if (!(options.study.lambda_q > 0)) throw CLI::ValidationError("--lambda-q: a wavelength must be positive");
   if (!(options.study.sigma > 0))

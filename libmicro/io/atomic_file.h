@@ -40,4 +40,9 @@ bool is_temporary(const std::filesystem::path& path);
 /// Writes the bytes as a whole file. Throws FileError.
 void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
+/// The same of a text.
+inline void write_text_file(const std::filesystem::path& path, const std::string& text) {
+  write_file(path, std::as_bytes(std::span(text)));
+}
+
 }  // namespace micro
