@@ -2,8 +2,10 @@
 #include <benchmark/benchmark.h>
 
 #include "core/parallel.h"
+#include "core/random.h"
 #include "height/gaussian_surface.h"
 #include "pipelines/texels_of_surface.h"
+#include "texture/synthesis.h"
 
 namespace micro {
 namespace {
@@ -32,6 +34,65 @@ BENCHMARK(texels)
     ->UseRealTime()
     ->MeasureProcessCPUTime()
     ->Iterations(1);
+
+Exemplar two_strips() {
+  Exemplar exemplar = make_exemplar(100, 100);
+  for (std::size_t c = 0; c < kChannels; ++c)
+    for (Eigen::Index k = 0; k < 100; ++k) {
+      const auto [a, b] = random_normal(1, static_cast<std::uint32_t>(c), static_cast<std::uint64_t>(k));
+      exemplar.channels[c](50, k) = a;
+      exemplar.channels[c](k, 50) = b;
+    }
+  return exemplar;
+}
+
+constexpr TextureSize kLarge = {4096, 4096};
+
+/// 4096² texels × 5, separable, without writing.
+void separable(benchmark::State& state) {
+  const TextureModel model = model_of(two_strips(), Recipe::Separable);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(synthesise(model, kLarge, 1));
+}
+BENCHMARK(separable)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime()->Iterations(3);
+
+/// The five inverse transforms of that alone.
+void transforms(benchmark::State& state) {
+  const RealFft<float> transform({kLarge.rows, kLarge.cols, 1});
+  std::vector<FftVector<std::complex<float>>> spectra(kChannels);
+  std::vector<FftVector<float>> values(kChannels);
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    spectra[c].assign(static_cast<std::size_t>(transform.shape().half_size()), 1.F);
+    values[c].resize(static_cast<std::size_t>(kLarge.rows * kLarge.cols));
+  }
+  for (auto _ : state)
+    parallel_for(kChannels, [&](std::int64_t c) {
+      const auto k = static_cast<std::size_t>(c);
+      transform.backward(spectra[k].data(), values[k].data());
+    });
+}
+BENCHMARK(transforms)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime()->Iterations(3);
+
+/// 2048² texels of a texture of 16384², by parts.
+void part(benchmark::State& state) {
+  const TextureModel model = model_of(two_strips(), Recipe::Separable);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(synthesise_part(model, {16384, 16384}, 1, {4096, 2048, 2048, 2048}));
+}
+BENCHMARK(part)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime()->Iterations(3);
+
+/// Slope coordinates to widths and angles, 10⁶ texels.
+void parameters(benchmark::State& state) {
+  const TextureField field = synthesise(model_of(two_strips(), Recipe::Separable), {1000, 1000}, 1);
+  for (auto _ : state)
+    parallel_for(1000, [&](std::int64_t j) {
+      for (Eigen::Index i = 0; i < 1000; ++i)
+        benchmark::DoNotOptimize(
+            canonical_parameters(frame_of({0.1 * field[0](j, i), 0.1 * field[1](j, i), field[2](j, i) - 2,
+                                           field[3](j, i), field[4](j, i) - 2})));
+    });
+}
+BENCHMARK(parameters)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime()->Iterations(3);
 
 }  // namespace
 }  // namespace micro

@@ -29,7 +29,7 @@ function(add_room_tests name folder)
   gtest_discover_tests(${name}_test DISCOVERY_MODE PRE_TEST PROPERTIES LABELS ${name} TIMEOUT 600)
 endfunction()
 
-foreach(room core height distribution ndf kirchhoff fit brdf testing)
+foreach(room core height distribution ndf kirchhoff fit texture brdf testing)
   add_room_tests(${room} libmicro/${room})
 endforeach()
 add_room_tests(io libmicro/io hdf5::hdf5)

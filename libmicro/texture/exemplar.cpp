@@ -1,0 +1,69 @@
+#include "texture/exemplar.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace micro {
+
+Exemplar make_exemplar(Eigen::Index rows, Eigen::Index cols) {
+  Exemplar exemplar;
+  exemplar.channels.fill(Grid<double>::Constant(rows, cols, std::numeric_limits<double>::quiet_NaN()));
+  return exemplar;
+}
+
+ExemplarMoments moments_of(const Exemplar& exemplar) {
+  using Vector = Eigen::Matrix<double, 5, 1>;
+  ExemplarMoments moments;
+  const auto over_texels = [&](auto&& body) {
+    for (Eigen::Index j = 0; j < exemplar.rows(); ++j)
+      for (Eigen::Index i = 0; i < exemplar.cols(); ++i)
+        if (exemplar.there(j, i)) {
+          Vector p;
+          for (std::size_t c = 0; c < kChannels; ++c)
+            p[static_cast<Eigen::Index>(c)] = exemplar.channels[c](j, i);
+          body(p);
+        }
+  };
+  // From the first texel on, so that what is constant has no variance at all.
+  Vector first = Vector::Zero(), sum = Vector::Zero();
+  over_texels([&](const Vector& p) {
+    if (moments.count++ == 0) first = p;
+    sum += p - first;
+  });
+  if (moments.count == 0) return moments;
+  const auto n = static_cast<double>(moments.count);
+  const Vector mean = first + sum / n;
+  over_texels([&](const Vector& p) { moments.covariance += (p - mean) * (p - mean).transpose() / n; });
+  Eigen::Map<Vector>(moments.mean.data()) = mean;
+  return moments;
+}
+
+bool is_block(const Exemplar& exemplar) {
+  const double texels = static_cast<double>(exemplar.rows() * exemplar.cols());
+  return exemplar.rows() > 1 && exemplar.cols() > 1 &&
+         static_cast<double>(moments_of(exemplar).count) >= texels / 2;
+}
+
+Eigen::ArrayXd taper_weights(Eigen::Index n, Taper taper) {
+  if (taper == Taper::None || n < kLeastTapered) return Eigen::ArrayXd::Ones(n);
+  const auto length = static_cast<double>(n);
+  return (std::numbers::pi / length * Eigen::ArrayXd::LinSpaced(n, 0.5, length - 0.5)).sin().square();
+}
+
+Eigen::ArrayXd strip_deviations(const Eigen::ArrayXd& values, Taper taper) {
+  const Eigen::Index n = values.size();
+  const Eigen::ArrayXd weights = taper_weights(n, taper);
+  double sum = 0, whole = 0, first = 0;
+  for (Eigen::Index k = n - 1; k >= 0; --k)
+    if (!std::isnan(values[k])) first = values[k];
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (!std::isnan(values[k])) {
+      sum += weights[k] * (values[k] - first);
+      whole += weights[k];
+    }
+  const double mean = whole > 0 ? first + sum / whole : 0;
+  return values.isNaN().select(0., weights * (values - mean));
+}
+
+}  // namespace micro

@@ -1,0 +1,198 @@
+#include "texture/model.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+
+namespace micro {
+namespace {
+
+using Blocks = TextureModel::Blocks;
+
+/// Which rows (or columns) are strips.
+std::vector<Eigen::Index> strips_of(const Grid<bool>& there) {
+  std::vector<Eigen::Index> counts, chosen;
+  for (Eigen::Index j = 0; j < there.rows(); ++j)
+    counts.push_back(there.row(j).count());
+  const Eigen::Index fullest = counts.empty() ? 0 : *std::max_element(counts.begin(), counts.end());
+  for (Eigen::Index j = 0; j < there.rows(); ++j)
+    if (counts[static_cast<std::size_t>(j)] >= std::max<Eigen::Index>(2, (fullest + 1) / 2))
+      chosen.push_back(j);
+  return chosen;
+}
+
+/// A strip from its first to its last texel.
+Eigen::ArrayXd trimmed(const Eigen::ArrayXd& strip) {
+  Eigen::Index first = 0, last = strip.size() - 1;
+  while (std::isnan(strip[first]))
+    ++first;
+  while (std::isnan(strip[last]))
+    --last;
+  return strip.segment(first, last - first + 1);
+}
+
+AxisSpectrum rows_as_strips(const std::array<Grid<double>, kChannels>& channels, Taper taper) {
+  AxisSpectrum axis;
+  for (const Eigen::Index j : strips_of(!channels[0].isNaN()))
+    for (std::size_t c = 0; c < kChannels; ++c)
+      axis.strips[c].push_back(strip_deviations(trimmed(channels[c].row(j).transpose()), taper));
+  return axis;
+}
+
+TextureModel::Axes axes_of(const std::array<Grid<double>, kChannels>& channels, Taper taper) {
+  std::array<Grid<double>, kChannels> turned;
+  for (std::size_t c = 0; c < kChannels; ++c)
+    turned[c] = channels[c].transpose();
+  return {rows_as_strips(channels, taper), rows_as_strips(turned, taper)};
+}
+
+/// Deviations of a block from its mean, tapered along both axes.
+Grid<double> block_deviations(const Grid<double>& values, Taper taper) {
+  const Grid<double> weights = (taper_weights(values.rows(), taper).matrix() *
+                                taper_weights(values.cols(), taper).matrix().transpose())
+                                   .array();
+  const Grid<double> held = values.isNaN().select(0., weights);
+  const double first = values.isNaN().select(Grid<double>::Zero(values.rows(), values.cols()), values).sum() /
+                       static_cast<double>((!values.isNaN()).count());
+  const double mean = first + values.isNaN().select(0., weights * (values - first)).sum() / held.sum();
+  return values.isNaN().select(0., weights * (values - mean));
+}
+
+}  // namespace
+
+std::string_view name_of(Recipe recipe) {
+  constexpr std::array<std::string_view, 3> kNames = {"separable", "full", "joint"};
+  return kNames[static_cast<std::size_t>(recipe)];
+}
+
+std::vector<float> AxisSpectrum::amplitudes(std::size_t channel, Eigen::Index n) const {
+  std::vector<float> amplitude(static_cast<std::size_t>(n), 1);
+  if (strips[channel].empty()) return amplitude;
+  std::vector<double> power(static_cast<std::size_t>(n), 0);
+  const ComplexFft<double> transform({1, n, 1}, FftDirection::Forward);
+  FftVector<std::complex<double>> buffer(static_cast<std::size_t>(n));
+  Eigen::Index shortest = strips[channel].front().size();
+  for (const Eigen::ArrayXd& strip : strips[channel]) {
+    // Folded to n texels, a strip has its own spectrum at the frequencies k/n, however long it is.
+    std::fill(buffer.begin(), buffer.end(), 0);
+    for (Eigen::Index k = 0; k < strip.size(); ++k)
+      buffer[static_cast<std::size_t>(k % n)] += strip[k];
+    transform(buffer.data());
+    for (std::size_t k = 0; k < power.size(); ++k)
+      power[k] += std::norm(buffer[k]);
+    shortest = std::min(shortest, strip.size());
+  }
+  if (*std::max_element(power.begin(), power.end()) == 0) {  // constant along this axis
+    std::fill(amplitude.begin() + 1, amplitude.end(), 0);
+    return amplitude;
+  }
+  const Eigen::Index lowest = std::min<Eigen::Index>((n + shortest - 1) / shortest, n / 2);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Eigen::Index f = std::max(std::min(k, n - k), lowest);
+    amplitude[static_cast<std::size_t>(k)] =
+        static_cast<float>(std::sqrt(power[static_cast<std::size_t>(f)]));
+  }
+  return amplitude;
+}
+
+TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper) {
+  const ExemplarMoments moments = moments_of(exemplar);
+  if (moments.count == 0) throw InputError("the exemplar holds no texel");
+  const bool block = is_block(exemplar);
+  if (recipe == Recipe::Full && !block)
+    throw InputError(
+        "the full spectrum needs a block of texels, at least 2 x 2 and half of it there, not strips");
+  TextureModel model;
+  model.recipe = recipe;
+  model.mean = moments.mean;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    const auto k = static_cast<Eigen::Index>(c);
+    model.variance[c] = moments.covariance(k, k);
+  }
+  if (recipe == Recipe::Separable) {
+    model.spectrum = axes_of(exemplar.channels, taper);
+  } else if (block) {
+    Blocks blocks;
+    for (std::size_t c = 0; c < kChannels; ++c)
+      blocks[c] = block_deviations(exemplar.channels[c], taper);
+    model.spectrum = std::move(blocks);
+  } else {
+    // Principal components of the correlation matrix: slopes and logarithms have no common unit.
+    Eigen::Matrix<double, 5, 1> deviation = moments.covariance.diagonal().cwiseSqrt();
+    const Eigen::Matrix<double, 5, 1> inverse =
+        (deviation.array() > 0).select(deviation.cwiseInverse().array(), 0).matrix();
+    const Eigen::SelfAdjointEigenSolver<Covariance> solver(
+        Covariance(inverse.asDiagonal() * moments.covariance * inverse.asDiagonal()));
+    model.mixing = deviation.asDiagonal() * solver.eigenvectors();
+    std::array<Grid<double>, kChannels> components = exemplar.channels;
+    for (std::size_t m = 0; m < kChannels; ++m) {
+      const auto column = static_cast<Eigen::Index>(m);
+      components[m].setZero();
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        const auto k = static_cast<Eigen::Index>(c);
+        components[m] +=
+            solver.eigenvectors()(k, column) * inverse[k] * (exemplar.channels[c] - moments.mean[c]);
+      }
+      model.variance[m] = std::max(0., solver.eigenvalues()[column]);
+    }
+    model.spectrum = axes_of(components, taper);
+  }
+  return model;
+}
+
+AxisAmplitudes axis_amplitudes(const TextureModel& model, std::size_t component, Eigen::Index rows,
+                               Eigen::Index cols) {
+  const auto& axes = std::get<TextureModel::Axes>(model.spectrum);
+  AxisAmplitudes amplitudes = {axes.x.amplitudes(component, cols), axes.y.amplitudes(component, rows)};
+  const auto power = [](const std::vector<float>& a) {
+    double sum = 0;
+    for (const float value : a)
+      sum += static_cast<double>(value) * value;
+    return sum;
+  };
+  const double dc = std::pow(static_cast<double>(amplitudes.x[0]) * amplitudes.y[0], 2);
+  const double whole = power(amplitudes.x) * power(amplitudes.y) - dc;
+  // A direction along which nothing varies has no amplitudes; then there is no variance to share out either.
+  const double scale = whole > 0 ? std::sqrt(model.variance[component] / whole) : 0;
+  for (float& value : amplitudes.y)
+    value = static_cast<float>(value * scale);
+  amplitudes.x.resize(static_cast<std::size_t>(cols / 2 + 1));
+  return amplitudes;
+}
+
+Grid<std::complex<float>> block_amplitudes(const TextureModel& model, std::size_t component,
+                                           Eigen::Index rows, Eigen::Index cols) {
+  const Grid<double>& block = std::get<Blocks>(model.spectrum)[component];
+  const RealFft<float> transform({rows, cols, 1});
+  FftVector<float> folded(static_cast<std::size_t>(rows * cols), 0);
+  for (Eigen::Index j = 0; j < block.rows(); ++j)
+    for (Eigen::Index i = 0; i < block.cols(); ++i)
+      folded[static_cast<std::size_t>(j % rows * cols + i % cols)] += static_cast<float>(block(j, i));
+  FftVector<std::complex<float>> half(static_cast<std::size_t>(transform.shape().half_size()));
+  transform.forward(folded.data(), half.data());
+  Grid<std::complex<float>> amplitudes =
+      Eigen::Map<const Grid<std::complex<float>>>(half.data(), rows, cols / 2 + 1);
+  amplitudes(0, 0) = 0;
+  double whole = 0;
+  for (Eigen::Index i = 0; i <= cols / 2; ++i) {
+    const double twice = i == 0 || 2 * i == cols ? 1 : 2;
+    for (Eigen::Index j = 0; j < rows; ++j)
+      whole += twice * std::norm(amplitudes(j, i));
+  }
+  return amplitudes * static_cast<float>(whole > 0 ? std::sqrt(model.variance[component] / whole) : 0);
+}
+
+Eigen::Index reach_of(const TextureModel& model) {
+  Eigen::Index reach = 1;
+  if (const auto* blocks = std::get_if<Blocks>(&model.spectrum))
+    return std::max((*blocks)[0].rows(), (*blocks)[0].cols());
+  for (const AxisSpectrum* axis :
+       {&std::get<TextureModel::Axes>(model.spectrum).x, &std::get<TextureModel::Axes>(model.spectrum).y})
+    for (const Eigen::ArrayXd& strip : axis->strips[0])
+      reach = std::max(reach, strip.size());
+  return reach;
+}
+
+}  // namespace micro

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <complex>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "core/fft.h"
+#include "texture/exemplar.h"
+
+namespace micro {
+
+/// How the field of slope coordinates is modelled: always Gaussian, with the exemplar's mean and variances.
+enum class Recipe {
+  Separable,  ///< [Dong15 §9]: each channel alone, amplitude = that along × that across
+  Full,       ///< each channel alone, its whole two-dimensional spectrum; needs a block
+  Joint,      ///< keeps how channels vary together: a block's spectra with one phase for all channels (all
+          ///< cross-correlations [Galerne11]); of strips, principal components, each separable (those at lag
+          ///< 0)
+};
+std::string_view name_of(Recipe recipe);
+
+/// Powers along one axis, for each channel: the strips they are the mean of.
+struct AxisSpectrum {
+  std::array<std::vector<Eigen::ArrayXd>, kChannels> strips;  ///< deviations; none: white
+
+  /// √ of the mean power of the strips at the frequencies 0 … n−1 over n. Below the lowest frequency that a
+  /// strip resolves, 1/length, the power is taken as there: a strip cannot tell its mean from slow variation.
+  std::vector<float> amplitudes(std::size_t channel, Eigen::Index n) const;
+};
+
+/// A Gaussian model of five channels: components with spectra, mixed into channels.
+struct TextureModel {
+  Recipe recipe = Recipe::Separable;
+  SlopeCoordinates mean{};
+  std::array<double, kChannels> variance{};  ///< of the components
+  Covariance mixing = Covariance::Identity();
+  struct Axes {
+    AxisSpectrum x, y;
+  };
+  std::variant<Axes, std::array<Grid<double>, kChannels>> spectrum;  ///< or a block's deviations
+
+  bool common_phase() const { return recipe == Recipe::Joint && std::holds_alternative<Blocks>(spectrum); }
+  using Blocks = std::array<Grid<double>, kChannels>;
+};
+
+/// The model of an exemplar. A row (column) is a strip if it holds at least two texels and half as many as
+/// the fullest one; where an axis has no strip, texels along it are taken as independent. Throws InputError
+/// if the exemplar is empty, or the recipe is Full and it is no block.
+TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper = Taper::Hann);
+
+/// Amplitudes of a component on the half spectrum of a texture of rows × cols texels: their squares over the
+/// whole spectrum sum to the component's variance, and (0, 0) is 0. Separable ones are a product; a block's
+/// are complex with `phase`.
+struct AxisAmplitudes {
+  std::vector<float> x, y;  ///< [cols/2 + 1], [rows]
+};
+AxisAmplitudes axis_amplitudes(const TextureModel& model, std::size_t component, Eigen::Index rows,
+                               Eigen::Index cols);
+Grid<std::complex<float>> block_amplitudes(const TextureModel& model, std::size_t component,
+                                           Eigen::Index rows, Eigen::Index cols);
+
+/// Texels beyond which what lies at one place hardly tells of another: the exemplar's length along the longer
+/// axis.
+Eigen::Index reach_of(const TextureModel& model);
+
+}  // namespace micro

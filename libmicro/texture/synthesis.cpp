@@ -1,0 +1,213 @@
+#include "texture/synthesis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/parallel.h"
+#include "core/random.h"
+
+namespace micro {
+namespace {
+
+using Complex = std::complex<float>;
+constexpr std::uint32_t kPhaseStream = 61, kNoiseStream = 62;
+constexpr std::int64_t kRowsPerBlock = 16;
+
+/// Unit numbers of 4096 phases.
+const std::array<Complex, 4096>& phase_table() {
+  static const auto table = [] {
+    std::array<Complex, 4096> units;
+    for (std::size_t k = 0; k < units.size(); ++k) {
+      const double phase = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(units.size());
+      units[k] = {static_cast<float>(std::cos(phase)), static_cast<float>(std::sin(phase))};
+    }
+    return units;
+  }();
+  return table;
+}
+
+/// Eight numbers of 16 bits from one draw.
+std::uint32_t half_word(const std::array<std::uint32_t, 4>& words, std::size_t k) {
+  return words[k / 2] >> (16 * (k % 2)) & 0xffff;
+}
+
+/// Amplitudes of every component, as the model has them.
+struct Amplitudes {
+  std::array<AxisAmplitudes, kChannels> axes;
+  std::array<Grid<Complex>, kChannels> blocks;
+
+  Amplitudes(const TextureModel& model, Eigen::Index rows, Eigen::Index cols) {
+    const bool separable = std::holds_alternative<TextureModel::Axes>(model.spectrum);
+    parallel_for(kChannels, [&](std::int64_t k) {
+      const auto m = static_cast<std::size_t>(k);
+      if (separable)
+        axes[m] = axis_amplitudes(model, m, rows, cols);
+      else
+        blocks[m] = block_amplitudes(model, m, rows, cols);
+    });
+  }
+  bool separable() const { return blocks[0].size() == 0; }
+  Complex at(std::size_t m, Eigen::Index j, Eigen::Index i) const {
+    if (i + j == 0) return 0;
+    if (!separable()) return blocks[m](j, i);
+    return axes[m].y[static_cast<std::size_t>(j)] * axes[m].x[static_cast<std::size_t>(i)];
+  }
+};
+
+using Spectra = std::array<FftVector<Complex>, kChannels>;
+
+/// Row j of every component's half spectrum: amplitude times random phase. `mirror` is the row whose
+/// conjugate this one's first (and, for even cols, last) number must be for the field to be real.
+void fill_row(Spectra& spectra, const Amplitudes& amplitudes, const TextureModel& model, std::uint64_t seed,
+              Eigen::Index j, const TextureSize& size) {
+  const Eigen::Index half = size.cols / 2 + 1;
+  const Eigen::Index mirror = (size.rows - j) % size.rows;
+  const bool common = model.common_phase();
+  const auto& units = phase_table();
+  const bool separable = amplitudes.separable();
+  for (Eigen::Index i = 0; i < half; ++i) {
+    const bool edge = i == 0 || 2 * i == size.cols;
+    // The later of two conjugate numbers is drawn as the earlier.
+    const bool conjugate = edge && mirror < j, real = edge && mirror == j;
+    const auto counter = static_cast<std::uint64_t>((conjugate ? mirror : j) * half + i);
+    const auto words = random_words(seed, kPhaseStream, counter);
+    const auto place = static_cast<std::size_t>(j * half + i);
+    for (std::size_t m = 0; m < kChannels; ++m) {
+      const std::uint32_t bits = half_word(words, common ? 0 : m);
+      Complex unit = real ? Complex(bits & 1 ? 1.f : -1.f, 0) : units[bits >> 4];
+      if (conjugate) unit = std::conj(unit);
+      if (separable) {
+        const float a = amplitudes.axes[m].y[static_cast<std::size_t>(j)] *
+                        amplitudes.axes[m].x[static_cast<std::size_t>(i)];
+        spectra[m][place] = {a * unit.real(), a * unit.imag()};
+      } else {
+        spectra[m][place] = amplitudes.blocks[m](j, i) * unit;
+      }
+    }
+  }
+  if (j == 0)
+    for (auto& spectrum : spectra)
+      spectrum[0] = 0;  // the mean is the model's
+}
+
+/// Components to channels, and the mean.
+void mix(TextureField& field, const TextureModel& model) {
+  const bool plain = model.mixing == Covariance::Identity();
+  parallel_blocks(field[0].rows(), kRowsPerBlock, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index k = begin * field[0].cols(); k < end * field[0].cols(); ++k) {
+      std::array<float, kChannels> mixed{};
+      for (std::size_t c = 0; c < kChannels; ++c) {
+        double value = model.mean[c];
+        if (plain) {
+          value += field[c].data()[k];
+        } else {
+          for (std::size_t m = 0; m < kChannels; ++m)
+            value +=
+                model.mixing(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(m)) * field[m].data()[k];
+        }
+        mixed[c] = static_cast<float>(value);
+      }
+      for (std::size_t c = 0; c < kChannels; ++c)
+        field[c].data()[k] = mixed[c];
+    }
+  });
+}
+
+/// Normal numbers of 16 bits: the quantile in the middle of each of 65536 equal parts.
+const std::vector<float>& normal_table() {
+  static const auto table = [] {
+    // Φ⁻¹ by Newton's method on Φ, from the middle outwards.
+    constexpr int kSize = 65536;
+    std::vector<float> quantiles(kSize);
+    double z = 0;
+    for (int k = kSize / 2; k < kSize; ++k) {
+      const double tail = 1 - (k + 0.5) / kSize;
+      for (int step = 0; step < 8; ++step)
+        z += (std::erfc(z / std::numbers::sqrt2) / 2 - tail) * std::sqrt(2 * std::numbers::pi) *
+             std::exp(z * z / 2);
+      quantiles[static_cast<std::size_t>(k)] = static_cast<float>(z);
+      quantiles[static_cast<std::size_t>(kSize - 1 - k)] = static_cast<float>(-z);
+    }
+    return quantiles;
+  }();
+  return table;
+}
+
+}  // namespace
+
+TextureField synthesise(const TextureModel& model, const TextureSize& size, std::uint64_t seed) {
+  const RealFft<float> transform({size.rows, size.cols, 1});
+  const Amplitudes amplitudes(model, size.rows, size.cols);
+  Spectra spectra;
+  for (auto& spectrum : spectra)
+    spectrum.resize(static_cast<std::size_t>(transform.shape().half_size()));
+  parallel_blocks(size.rows, kRowsPerBlock, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index j = begin; j < end; ++j)
+      fill_row(spectra, amplitudes, model, seed, j, size);
+  });
+  TextureField field;
+  parallel_for(kChannels, [&](std::int64_t k) {
+    const auto m = static_cast<std::size_t>(k);
+    FftVector<float> values(static_cast<std::size_t>(size.rows * size.cols));
+    transform.backward(spectra[m].data(), values.data());
+    spectra[m] = {};
+    field[m] = Eigen::Map<const Grid<float>>(values.data(), size.rows, size.cols);
+  });
+  mix(field, model);
+  return field;
+}
+
+TextureField synthesise_part(const TextureModel& model, const TextureSize& size, std::uint64_t seed,
+                             const TexturePart& part) {
+  // A kernel without phase has tails beyond its exemplar's length; that of joint blocks ends with it.
+  const Eigen::Index margin =
+      std::clamp<Eigen::Index>((model.common_phase() ? 1 : 6) * reach_of(model), 64, 1024);
+  const Eigen::Index rows = fast_fft_size(part.rows + 2 * margin),
+                     cols = fast_fft_size(part.cols + 2 * margin);
+  const RealFft<float> transform({rows, cols, 1});
+  const Amplitudes amplitudes(model, rows, cols);
+  const auto& quantiles = normal_table();
+  std::array<FftVector<float>, kChannels> noise;
+  const bool common = model.common_phase();
+  for (std::size_t m = 0; m < (common ? 1 : kChannels); ++m)
+    noise[m].resize(static_cast<std::size_t>(rows * cols));
+  const auto wrapped = [](Eigen::Index k, Eigen::Index n) { return ((k % n) + n) % n; };
+  parallel_blocks(rows, kRowsPerBlock, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index j = begin; j < end; ++j)
+      for (Eigen::Index i = 0; i < cols; ++i) {
+        const auto counter =
+            static_cast<std::uint64_t>(wrapped(part.row - margin + j, size.rows) * size.cols +
+                                       wrapped(part.col - margin + i, size.cols));
+        const auto words = random_words(seed, kNoiseStream, counter);
+        for (std::size_t m = 0; m < kChannels && !noise[m].empty(); ++m)
+          noise[m][static_cast<std::size_t>(j * cols + i)] = quantiles[half_word(words, m)];
+      }
+  });
+  // Noise of variance 1 has numbers of mean square rows·cols where synthesise() has phases of modulus 1.
+  const float unit = 1 / std::sqrt(static_cast<float>(rows) * static_cast<float>(cols));
+  Spectra drawn;
+  parallel_for(kChannels, [&](std::int64_t k) {
+    const auto m = static_cast<std::size_t>(k);
+    if (noise[m].empty()) return;
+    drawn[m].resize(static_cast<std::size_t>(transform.shape().half_size()));
+    transform.forward(noise[m].data(), drawn[m].data());
+  });
+  TextureField field;
+  parallel_for(kChannels, [&](std::int64_t k) {
+    const auto m = static_cast<std::size_t>(k);
+    FftVector<Complex> spectrum = drawn[common ? 0 : m];
+    const Eigen::Index half = cols / 2 + 1;
+    for (Eigen::Index j = 0; j < rows; ++j)
+      for (Eigen::Index i = 0; i < half; ++i)
+        spectrum[static_cast<std::size_t>(j * half + i)] *= amplitudes.at(m, j, i) * unit;
+    FftVector<float> values(static_cast<std::size_t>(rows * cols));
+    transform.backward(spectrum.data(), values.data());
+    field[m] =
+        Eigen::Map<const Grid<float>>(values.data(), rows, cols).block(margin, margin, part.rows, part.cols);
+  });
+  mix(field, model);
+  return field;
+}
+
+}  // namespace micro
