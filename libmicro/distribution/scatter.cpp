@@ -111,6 +111,21 @@ TableNodes core_nodes(const DiskTable& table, std::size_t most) {
   return nodes;
 }
 
+TableNodes strided_nodes(const DiskTable& table, Eigen::Index stride) {
+  TableNodes nodes;
+  const Eigen::Index n = table.grid.size, across = (n + stride - 1) / stride;
+  for (auto* values : {&nodes.x, &nodes.y, &nodes.density})
+    values->reserve(static_cast<std::size_t>(across * across));
+  for (Eigen::Index j = 0; j < n; j += stride)
+    for (Eigen::Index i = 0; i < n; i += stride) {
+      if (!(table.grid.mz2(j, i) > 0)) continue;
+      nodes.x.push_back(table.grid.coordinate(i));
+      nodes.y.push_back(table.grid.coordinate(j));
+      nodes.density.push_back(table.density(j, i));
+    }
+  return nodes;
+}
+
 SlopeFrame slope_scatter(const TableNodes& core, const DiskGrid& grid) {
   constexpr int kSteps = 8;
   constexpr std::size_t kNodes = 512;  // a start needs no more

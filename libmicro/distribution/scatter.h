@@ -17,6 +17,9 @@ struct TableNodes {
 /// than 9/10 of it; when they are more than `most`, every k-th of them.
 TableNodes core_nodes(const DiskTable& table, std::size_t most);
 
+/// Every `stride`-th node of every `stride`-th row, all that lie within the disk.
+TableNodes strided_nodes(const DiskTable& table, Eigen::Index stride);
+
 /// Slopes, and how much each counts.
 struct WeightedSlopes {
   std::vector<double> x, y, weight;

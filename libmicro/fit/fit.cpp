@@ -16,7 +16,7 @@ namespace {
 
 /// Nodes of the core: few where a pass over the whole table is cheap.
 constexpr std::size_t kFewNodes = 1024, kManyNodes = 16384;
-constexpr int kSmall = 257;
+constexpr Eigen::Index kSmall = 257;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Where a descent ended.
@@ -27,6 +27,14 @@ struct Descent {
   bool converged = false;
 };
 
+/// Where a model does not fit, Gauss–Newton's steps shrink by a constant factor ρ in one direction; the sum
+/// of all that are still to come is step/(1 − ρ) [Aitken26]. 1 where two steps do not show that.
+double extrapolation(const Vector5& step, const Vector5& last) {
+  constexpr double kParallel = 0.9, kMostShrinking = 0.8;
+  const double along = step.dot(last), rho = along / last.squaredNorm();
+  return along >= kParallel * step.norm() * last.norm() && rho < kMostShrinking ? 1 / (1 - rho) : 1;
+}
+
 /// Levenberg–Marquardt [Marquardt63] in the frame's own coordinates; `equations_at` gives the sums for a
 /// frame. It has converged when the next step would move nothing by more than `tolerance` widths, or lower
 /// the cost by no more than `least_gain` of it; that step is taken unseen.
@@ -34,8 +42,10 @@ template <typename EquationsAt>
 Descent descend(const SlopeFrame& start, double damping, double tolerance, EquationsAt&& equations_at,
                 double least_gain = 1e-9) {
   constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12;
+  constexpr double kExtrapolatedGain = 100;  // an extrapolated step leaves less than a hundredth of it
   constexpr int kMost = 60;
   Descent descent{start, equations_at(start)};
+  Vector5 last = Vector5::Zero();  // the step before, unless it was extrapolated
   while (descent.iterations < kMost) {
     const NormalEquations& now = descent.equations;
     Matrix5 damped = now.gram;
@@ -45,10 +55,14 @@ Descent descend(const SlopeFrame& start, double damping, double tolerance, Equat
     if (!step.allFinite()) break;
     const double length = step.cwiseAbs().maxCoeff();
     step *= kLongestStep / std::max(length, kLongestStep);
-    const SlopeFrame next = moved(descent.frame, step);
-    ++descent.iterations;
     // Half of gradient·step is what the model of the cost would still gain.
-    if (length <= tolerance || now.gradient.dot(step) <= least_gain * now.cost) {
+    const double factor = last.isZero() ? 1 : extrapolation(step, last);
+    const double enough = (factor > 1 ? kExtrapolatedGain : 1) * least_gain * now.cost;
+    const bool done = length <= tolerance || now.gradient.dot(step) <= enough;
+    const SlopeFrame next = moved(descent.frame, factor * step);
+    last = factor > 1 ? Vector5::Zero() : step;
+    ++descent.iterations;
+    if (done) {
       if (damping < 1) descent.frame = next;
       descent.converged = true;
       break;
@@ -60,6 +74,7 @@ Descent descend(const SlopeFrame& start, double damping, double tolerance, Equat
       damping = std::max(damping / 10, kLeastDamping);
     } else {
       damping = std::min(damping * 8, kMostDamping);
+      last.setZero();
     }
   }
   return descent;
@@ -80,15 +95,17 @@ SlopeFrame peak_start(const TableNodes& core, const SlopeFrame& scatter) {
   return frame;
 }
 
+NodeSpan span_of(const TableNodes& nodes) {
+  return {nodes.x.data(), nodes.y.data(), nodes.density.data(), static_cast<std::int64_t>(nodes.size())};
+}
+
 /// The best descent on the core's nodes. The second start is for tables that the model fits badly: several
 /// lobes, a spike on a broad base.
 Descent descend_on_core(const DiskTable& table, FitModel model, Weighting weighting) {
   constexpr double kDamping = 1e-3, kTolerance = 1e-3, kGood = 0.25;  // the whole table takes it from there
   const TableNodes core = core_nodes(table, table.grid.size < kSmall ? kFewNodes : kManyNodes);
-  const NodeSpan nodes = {core.x.data(), core.y.data(), core.density.data(),
-                          static_cast<std::int64_t>(core.size())};
   const auto equations_at = [&](const SlopeFrame& frame) {
-    return normal_equations(nodes, frame, model, weighting);
+    return normal_equations(span_of(core), frame, model, weighting);
   };
   const SlopeFrame scatter = slope_scatter(core, table.grid);
   Descent best = descend(scatter, kDamping, kTolerance, equations_at);
@@ -114,6 +131,22 @@ double nodes_across(const SlopeFrame& frame, FitModel model, const DiskGrid& gri
   const double half = map.squaredNorm() / 2;
   const double largest2 = half + std::sqrt(std::max(0., half * half - determinant * determinant));
   return to_width * determinant / std::sqrt(largest2) / grid.spacing();
+}
+
+/// The core weighs nodes otherwise than the table does, which moves the minimum of a model that does not fit.
+/// A sixteenth of a large table's nodes goes there first, where the lobe is wide enough for it.
+Descent descend_on_strides(const Descent& start, const DiskTable& table, FitModel model,
+                           Weighting weighting) {
+  constexpr Eigen::Index kStride = 4;
+  constexpr double kNodesAcross = 16, kDamping = 1e-6, kTolerance = 1e-3;
+  if (table.grid.size < kSmall || !(nodes_across(start.frame, model, table.grid) >= kNodesAcross))
+    return start;
+  const TableNodes strided = strided_nodes(table, kStride);
+  Descent end = descend(start.frame, kDamping, kTolerance, [&](const SlopeFrame& frame) {
+    return normal_equations(span_of(strided), frame, model, weighting);
+  });
+  end.iterations += start.iterations;
+  return end;
 }
 
 }  // namespace
@@ -192,7 +225,7 @@ Fit conclude(const Descent& end, TableEquations& equations, const DiskGrid& grid
 Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
   constexpr double kDamping = 1e-6, kTolerance = 1e-6;
   if (auto empty = empty_fit(table, model)) return *empty;
-  const Descent start = descend_on_core(table, model, weighting);
+  const Descent start = descend_on_strides(descend_on_core(table, model, weighting), table, model, weighting);
   TableEquations equations(table);
   const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
   Fit result = conclude(descend(start.frame, kDamping, kTolerance, equations_at), equations, table.grid,

@@ -28,7 +28,7 @@ struct Fit {
   Matrix5 covariance;
   Matrix5 step_covariance;   ///< covariance of a step δ of the frame, see moved()
   double rel_rms = 0;        ///< √(Σ(D_k − D)²dω / ΣD_k²dω)
-  int iterations = 0;        ///< on the nodes of the core and on the whole table
+  int iterations = 0;        ///< on the nodes of the core, on a part, and on the whole table
   double nodes_across = 0;   ///< full width at half maximum of the lobe's narrowest section, in nodes
   std::string undetermined;  ///< what the table cannot tell, in words; empty if nothing
 };
