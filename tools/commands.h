@@ -28,5 +28,6 @@ Run add_texture(CLI::App& app);
 Run add_study(CLI::App& app);
 Run add_wave_study(CLI::App& app);       ///< of `study`
 Run add_shadowing_study(CLI::App& app);  ///< of `study`
+Run add_coat_study(CLI::App& app);       ///< of `study`
 
 }  // namespace micro::tools

@@ -79,9 +79,13 @@ Run add_study(CLI::App& app) {
   CLI::App* shadowing = app.add_subcommand(
       "shadowing", "Sun's free travel probability against simulation and Smith [Sun02 §3.4, §4]");
   const Run run_shadowing = add_shadowing_study(*shadowing);
+  CLI::App* coat = app.add_subcommand(
+      "coat", "Sun's BRDF and the coat in the white furnace, corrected and as printed [Sun02, SunGlossy]");
+  const Run run_coat = add_coat_study(*coat);
   return [=] {
     if (waves->parsed()) return run_waves();
     if (shadowing->parsed()) return run_shadowing();
+    if (coat->parsed()) return run_coat();
     if (filters->parsed())
       return conclude(study_filters(listing_of(*filter_options), make_request(filter_options->ndf, {}),
                                     progress_line(filter_options->common)),

@@ -79,17 +79,17 @@ TEST(Sun, FreeTravelLiesBelowSmith) {
 }
 
 TEST(Sun, CorrectedReflectsNoMoreThanComes) {
-  constexpr double kTolerance = 3e-3;
+  constexpr double kTolerance = 1e-2;
   for (const double s : kSmoothness)
     EXPECT_LE(white_furnace(SunReflection(s), kLambda, kTolerance).most(), 1) << s;
 }
 
 /// docs/sun.md: with the light at 0, 45 and 80 degrees.
 TEST(Sun, FurnaceOfPrintedFormIsTheDocumentedOne) {
-  constexpr double kTolerance = 1e-3, kPrintedDigits = 1e-2;
+  constexpr double kTolerance = 1e-3, kPrintedDigits = 3e-3;
   const struct {
     double s, degrees, albedo;
-  } cases[] = {{1, 0, 0}, {1, 45, 0}, {20, 0, 0}, {20, 45, 0}, {20, 80, 0}};
+  } cases[] = {{1, 0, 0.055}, {1, 45, 0.056}, {20, 0, 0.980}, {20, 45, 0.693}, {20, 80, 0.174}};
   for (const auto& [s, degrees, expected] : cases) {
     const Estimate<double> found =
         albedo(SunReflection(s, Fresnel(), SunForm::AsPrinted), direction(degrees), kLambda, kTolerance);

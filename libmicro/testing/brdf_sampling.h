@@ -18,11 +18,11 @@ struct SamplingTest {
 };
 
 /// `draws` samples from wi in bins equal in cosθ_o and azimuth against the pdf's integral over them; the lobe
-/// must be wider than a 512th of either.
+/// must be wider than a 256th of the one and a 512th of the other.
 template <Brdf Model>
 SamplingTest test_sampling(const Model& model, const Vec3& wi, double lambda_um, int draws,
                            std::uint64_t seed) {
-  constexpr int kCosines = 16, kAzimuths = 32, kSteps = 32;
+  constexpr int kCosines = 16, kAzimuths = 32, kSteps = 16;
   constexpr auto kBins = static_cast<std::size_t>(kCosines * kAzimuths);
   std::vector<double> counts(kBins + 1), expected(kBins + 1);
   double mismatch = 0;
