@@ -100,15 +100,15 @@ void write_coat_figures(const std::filesystem::path& folder) {
   const auto write = [&](const char* name, const Plot& plot) {
     write_png(folder / (std::string("coat_") + name + ".png"), draw_plot(plot, kWidth, kHeight));
   };
-  const auto both = [&](SunForm form, const std::string& name, double y_high) {
-    write(("fig5_bare" + name).c_str(),
-          slices("copper, s = 1 (SunGlossy Fig. 5 top)" + name, SunReflection(1, copper, form), y_high));
-    write(("fig5_enamelled" + name).c_str(),
-          slices("enamelled copper, s = 1, n = 1.5 (SunGlossy Fig. 5 bottom)" + name, coated(1, copper, form),
-                 y_high));
-  };
-  both(SunForm::Corrected, "", 0.12);
-  both(SunForm::AsPrinted, "_as_printed", 0.12);
+  constexpr double kHigh = 0.15;
+  const std::string bare = "copper, s = 1 (SunGlossy Fig. 5 top)",
+                    enamelled = "enamelled copper, s = 1, n = 1.5 (SunGlossy Fig. 5 bottom)";
+  write("fig5_bare", slices(bare, SunReflection(1, copper), kHigh));
+  write("fig5_enamelled", slices(enamelled, coated(1, copper, SunForm::Corrected), kHigh));
+  write("fig5_bare_as_printed",
+        slices(bare + ", as printed", SunReflection(1, copper, SunForm::AsPrinted), kHigh));
+  write("fig5_enamelled_as_printed",
+        slices(enamelled + ", as printed", coated(1, copper, SunForm::AsPrinted), kHigh));
 }
 
 }  // namespace micro
