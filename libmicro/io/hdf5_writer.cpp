@@ -161,6 +161,38 @@ void Hdf5Writer::write_slices(const std::string& dataset, const Shape& shape, in
   }
 }
 
+void Hdf5Writer::create_in_parts(const std::string& dataset, const Shape& shape, std::size_t side,
+                                 int deflate) {
+  assert(shape.size() == 3);
+  const std::vector<hsize_t> extents(shape.begin(), shape.end());
+  const hsize_t chunk[3] = {std::min<hsize_t>(side, extents[0]), std::min<hsize_t>(side, extents[1]),
+                            extents[2]};
+  const Lock lock;
+  const Handle space(H5Screate_simple(3, extents.data(), nullptr), H5Sclose);
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_chunk(list, 3, chunk);
+  if (deflate > 0) {
+    H5Pset_shuffle(list);
+    H5Pset_deflate(list, static_cast<unsigned>(deflate));
+  }
+  const Handle data(H5Dcreate2(id_, dataset.c_str(), hdf5::native_type<float>(), space, intermediate_groups(),
+                               list, H5P_DEFAULT),
+                    H5Dclose);
+  require(static_cast<bool>(data), "dataset " + dataset + " cannot be written");
+}
+
+void Hdf5Writer::write_part(const std::string& dataset, std::size_t row, std::size_t col, const Shape& shape,
+                            std::span<const float> values) {
+  assert(shape.size() == 3 && shape[0] * shape[1] * shape[2] == values.size());
+  const hsize_t start[3] = {row, col, 0}, count[3] = {shape[0], shape[1], shape[2]};
+  const Lock lock;
+  const Handle data(H5Dopen2(id_, dataset.c_str(), H5P_DEFAULT), H5Dclose);
+  const Handle space(H5Dget_space(data), H5Sclose), memory(H5Screate_simple(3, count, nullptr), H5Sclose);
+  require(data && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr) >= 0 &&
+              H5Dwrite(data, hdf5::native_type<float>(), memory, space, H5P_DEFAULT, values.data()) >= 0,
+          "dataset " + dataset + " cannot be written");
+}
+
 void Hdf5Writer::write_text(const std::string& dataset, std::string_view text) {
   const std::string terminated(text);
   const char* pointer = terminated.c_str();

@@ -53,6 +53,13 @@ class Hdf5Writer {
   void write_slices(const std::string& dataset, const Shape& shape, int deflate,
                     const std::function<Grid<float>(std::size_t)>& slice);
 
+  /// Makes a dataset of float, [rows, cols, numbers], in deflated chunks of `side` × `side` × numbers, to be
+  /// filled part by part.
+  void create_in_parts(const std::string& dataset, const Shape& shape, std::size_t side, int deflate);
+  /// Fills rows × cols places of it from (row, col) on; values are [rows, cols, numbers].
+  void write_part(const std::string& dataset, std::size_t row, std::size_t col, const Shape& shape,
+                  std::span<const float> values);
+
   /// Writes one UTF-8 string as a scalar dataset.
   void write_text(const std::string& dataset, std::string_view text);
 
