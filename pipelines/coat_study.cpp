@@ -84,7 +84,9 @@ std::string to_markdown(const std::vector<FurnaceRow>& rows) {
 
 std::string to_csv(const std::vector<FurnaceRow>& rows) {
   std::ostringstream text;
-  text << "s,theta_deg,sun,error,sun_printed,error,coat,error,coat_printed,error\n" << std::setprecision(6);
+  text << "s,theta_deg,sun,sun_error,sun_printed,sun_printed_error,coat,coat_error,coat_printed,coat_printed_"
+          "error\n"
+       << std::setprecision(6);
   for (const FurnaceRow& row : rows) {
     text << row.s << ',' << row.theta_deg;
     for (const Estimate<double>& albedo : {row.sun, row.sun_printed, row.coat, row.coat_printed})

@@ -127,9 +127,12 @@ std::string to_csv(const std::vector<ShadowingStudyRow>& rows) {
   std::ostringstream text;
   text << "nu,rays,sun_closed,covered_length,sun_mean_height,sun_mean,sun_product,facing,smith_lambda,table_"
           "g1,"
-          "mean_height,error,mean_height_facing,error,crossings,error,anywhere,error,anywhere_facing,error,"
-          "both,"
-          "error,both_facing,error,both_level,error\n"
+          "mean_height,mean_height_error,mean_height_facing,mean_height_facing_error,crossings,crossings_"
+          "error,"
+          "anywhere,anywhere_error,anywhere_facing,anywhere_facing_error,both,both_error,both_facing,both_"
+          "facing_error,"
+          "both_level,both_level_error
+          "
        << std::setprecision(9);
   for (const ShadowingStudyRow& row : rows) {
     const ShadowingRow& simulated = row.simulated;

@@ -1,14 +1,9 @@
 #include "pipelines/coat_study.h"
 
-#include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "io/atomic_file.h"
 #include "pipelines/output_lock.h"
-#include "tools/commands.h"
-#include "tools/common_options.h"
-#include "tools/json_output.h"
+#include "tools/study_output.h"
 
 namespace micro::tools {
 namespace {
@@ -23,13 +18,7 @@ int run(const Options& options) {
   const std::filesystem::path output = options.output;
   const OutputLock lock(output);
   const std::vector<FurnaceRow> rows = study_coat_furnace(options.tolerance);
-  write_text_file(output / "furnace.csv", to_csv(rows));
-  write_text_file(output / "furnace.md", to_markdown(rows));
   write_coat_figures(output);
-  if (!options.common.json) {
-    std::printf("%s", to_markdown(rows).c_str());
-    return kDone;
-  }
   nlohmann::json albedos = nlohmann::json::array();
   for (const FurnaceRow& row : rows)
     albedos.push_back({{"s", row.s},
@@ -38,9 +27,7 @@ int run(const Options& options) {
                        {"sun_printed", row.sun_printed.value},
                        {"coat", row.coat.value},
                        {"coat_printed", row.coat_printed.value}});
-  const nlohmann::json summary = {{"rows", albedos}};
-  print_json(summary);
-  return kDone;
+  return conclude({output / "furnace", to_csv(rows), to_markdown(rows), albedos}, options.common);
 }
 
 }  // namespace

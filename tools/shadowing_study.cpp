@@ -1,14 +1,9 @@
 #include "pipelines/shadowing_study.h"
 
-#include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "io/atomic_file.h"
 #include "pipelines/output_lock.h"
-#include "tools/commands.h"
-#include "tools/common_options.h"
-#include "tools/json_output.h"
+#include "tools/study_output.h"
 
 namespace micro::tools {
 namespace {
@@ -25,13 +20,7 @@ int run(const Options& options) {
   ShadowingRequest request = options.study;
   request.nu = shadowing_study_slopes();
   const std::vector<ShadowingStudyRow> rows = study_shadowing(request);
-  write_text_file(output / "study.csv", to_csv(rows));
-  write_text_file(output / "study.md", to_markdown(rows));
   write_shadowing_figures(rows, output);
-  if (!options.common.json) {
-    std::printf("%s", to_markdown(rows).c_str());
-    return kDone;
-  }
   nlohmann::json slopes = nlohmann::json::array();
   for (const ShadowingStudyRow& row : rows)
     slopes.push_back({{"nu", row.simulated.nu},
@@ -45,9 +34,7 @@ int run(const Options& options) {
                       {"simulated_mean_height_error", row.simulated.from_mean_height().all.error},
                       {"simulated_facing", row.simulated.from_anywhere.facing.value},
                       {"simulated_facing_error", row.simulated.from_anywhere.facing.error}});
-  const nlohmann::json summary = {{"rows", slopes}};
-  print_json(summary);
-  return kDone;
+  return conclude({output / "study", to_csv(rows), to_markdown(rows), slopes}, options.common);
 }
 
 }  // namespace

@@ -1,14 +1,9 @@
 #include "pipelines/wave_study.h"
 
-#include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 
-#include "io/atomic_file.h"
 #include "pipelines/output_lock.h"
-#include "tools/commands.h"
-#include "tools/common_options.h"
-#include "tools/json_output.h"
+#include "tools/study_output.h"
 #include "tools/units.h"
 
 namespace micro::tools {
@@ -29,12 +24,6 @@ int run(const Options& options) {
   std::vector<WaveStudyRow> rows;
   for (const WaveStudyCase& surface : wave_study_cases())
     rows.push_back(study_waves(surface, options.study));
-  write_text_file(output / "study.csv", to_csv(rows));
-  write_text_file(output / "study.md", to_markdown(rows));
-  if (!options.common.json) {
-    std::printf("%s", to_markdown(rows).c_str());
-    return kDone;
-  }
   nlohmann::json surfaces = nlohmann::json::array();
   for (const WaveStudyRow& row : rows)
     surfaces.push_back({{"surface", row.name},
@@ -45,9 +34,7 @@ int run(const Options& options) {
                         {"alpha_filtered", row.filtered.value},
                         {"alpha_filtered_error", row.filtered.error},
                         {"alpha_filtered_predicted", row.filtered_predicted}});
-  const nlohmann::json summary = {{"rows", surfaces}};
-  print_json(summary);
-  return kDone;
+  return conclude({output / "study", to_csv(rows), to_markdown(rows), surfaces}, options.common);
 }
 
 }  // namespace

@@ -15,15 +15,11 @@ namespace {
 
 constexpr double kLambda = 0.55, kRounding = 1e-12;
 constexpr double kLeastP = 1e-4;
+using testing::direction;
 
 static_assert(Brdf<Coated<SunReflection>>);
 static_assert(Brdf<Coated<Microfacet<Ellipsoid>>>);
 static_assert(Brdf<Coated<Coated<SunReflection>>>);
-
-Vec3 direction(double degrees, double azimuth = 0) {
-  const double theta = degrees * std::numbers::pi / 180, beside = (90 - degrees) * std::numbers::pi / 180;
-  return {std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth), std::sin(beside)};
-}
 
 /// [SunGlossy Eqs. 2, 6–10] in angles as printed, the substrate a perfect mirror of slopes.
 double literal_printed(double s_top, double s, double n, const Vec3& wi, const Vec3& wo) {

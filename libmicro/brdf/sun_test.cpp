@@ -14,12 +14,8 @@ namespace {
 
 constexpr double kLambda = 0.55, kRounding = 1e-12;
 constexpr double kLeastP = 1e-4;  // of ten tests with fixed seeds
+using testing::direction;
 const double kSmoothness[] = {0.1, 0.5, 1, 3, 10, 100, 1e6};
-
-Vec3 direction(double degrees, double azimuth = 0) {
-  const double theta = degrees * std::numbers::pi / 180, beside = (90 - degrees) * std::numbers::pi / 180;
-  return {std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth), std::sin(beside)};
-}
 
 /// [Sun02 Eqs. 3.2.7, 3.2.8, 3.4.23, 3.5.3] in angles, F = 1: printed, and corrected by its cosines.
 double literal_f(double s, const Vec3& wi, const Vec3& wo, SunForm form) {

@@ -10,6 +10,12 @@
 
 namespace micro::testing {
 
+/// The direction at polar angle and azimuth; its cosine keeps its digits at grazing angles.
+inline Vec3 direction(double degrees, double azimuth_rad = 0) {
+  const double theta = degrees * std::numbers::pi / 180, beside = (90 - degrees) * std::numbers::pi / 180;
+  return {std::sin(theta) * std::cos(azimuth_rad), std::sin(theta) * std::sin(azimuth_rad), std::sin(beside)};
+}
+
 /// What the draws of a BRDF say of its density.
 struct SamplingTest {
   double p;                 ///< of χ² over bins of wo and what is absorbed
