@@ -126,14 +126,11 @@ std::string to_markdown(const std::vector<ShadowingStudyRow>& rows) {
 std::string to_csv(const std::vector<ShadowingStudyRow>& rows) {
   std::ostringstream text;
   text << "nu,rays,sun_closed,covered_length,sun_mean_height,sun_mean,sun_product,facing,smith_lambda,table_"
-          "g1,"
-          "mean_height,mean_height_error,mean_height_facing,mean_height_facing_error,crossings,crossings_"
-          "error,"
-          "anywhere,anywhere_error,anywhere_facing,anywhere_facing_error,both,both_error,both_facing,both_"
-          "facing_error,"
-          "both_level,both_level_error
-          "
-       << std::setprecision(9);
+          "g1";
+  for (const char* name : {"mean_height", "mean_height_facing", "crossings", "anywhere", "anywhere_facing",
+                           "both", "both_facing", "both_level"})
+    text << ',' << name << ',' << name << "_error";
+  text << '\n' << std::setprecision(9);
   for (const ShadowingStudyRow& row : rows) {
     const ShadowingRow& simulated = row.simulated;
     text << simulated.nu << ',' << simulated.rays << ',' << row.sun_closed << ',' << row.covered.value << ','
