@@ -7,7 +7,7 @@ set -euo pipefail
 
 declare -A packages=(
   [build]="g++ cmake ninja-build pkgconf
-    libeigen3-dev libfftw3-dev libhdf5-dev libopenexr-dev libpng-dev libssl-dev libhwy-dev librandom123-dev
+    libeigen3-dev libfftw3-dev libhdf5-dev libopenexr-dev libpng-dev libssl-dev zlib1g-dev libzip-dev libpugixml-dev libhwy-dev librandom123-dev
     libcli11-dev nlohmann-json3-dev"
   [test]="libgtest-dev libboost-dev python3 python3-h5py python3-matplotlib"
   [heavy]="clang-14 libclang-rt-14-dev libomp-14-dev clang-format-14 clang-tidy-14 libbenchmark-dev

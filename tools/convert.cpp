@@ -45,11 +45,11 @@ Run add_convert(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_option("scan", options->scan, "A scan in any readable format")->required()->type_name("SCAN");
   app.add_option("-o,--output", options->output,
-                 "File to write; its suffix .h5, .dat or .npy says the format")
+                 std::string("File to write; its suffix ") + kScanSuffixes + " says the format")
       ->required()
       ->type_name("FILE");
   add_pitch(app, options->pitch,
-            "Distance between points, P or X,Y, for formats that do not keep it (.npy, plain text)");
+            "Distance between points, P or X,Y, for formats that do not keep it (.npy, .exr, plain text)");
   add_level(app, options->level);
   add_common_options(app, options->common, "microbrdf convert scan.datx -o scan.dat");
   return [options, &app] { return convert(*options, app); };

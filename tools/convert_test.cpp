@@ -31,7 +31,7 @@ class Convert : public ::testing::Test {
 
 TEST_F(Convert, GoesRoundThroughEveryFormat) {
   std::string from = text_scan() + " --pitch 250nm";
-  for (const char* name : {"a.h5", "a.dat", "b.h5", "a.npy"}) {
+  for (const char* name : {"a.h5", "a.dat", "a.x3p", "b.h5", "a.npy"}) {
     const Outcome outcome = convert(from + " -o " + file(name));
     EXPECT_EQ(outcome.code, 0) << outcome.out;
     from = file(name);

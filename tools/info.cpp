@@ -221,7 +221,7 @@ Run add_info(CLI::App& app) {
   auto options = std::make_shared<Options>();
   app.add_option("SCAN", options->scans, "Scans in any readable format, or directories of scans")->required();
   add_pitch(app, options->pitch,
-            "Distance between points, P or X,Y, for formats that do not keep it (.npy, plain text)");
+            "Distance between points, P or X,Y, for formats that do not keep it (.npy, .exr, plain text)");
   add_level(app, options->level);
   app.add_flag("--reject-outliers", options->reject_outliers,
                "Make points missing that lie beyond 6 robust sigma from the local median, before all else");

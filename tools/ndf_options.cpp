@@ -97,7 +97,7 @@ void add_ndf_options(CLI::App& app, NdfOptions& options) {
   for (std::size_t k = before; k < app.get_options().size(); ++k)
     app.get_options()[k]->group(group_of("kirchhoff"));
   add_pitch(app, options.pitch,
-            "Distance between points, P or X,Y, for files that don't say it (.npy, plain text)");
+            "Distance between points, P or X,Y, for files that don't say it (.npy, .exr, plain text)");
   app.add_flag("--mixed", options.mixed, "Take scans of different pitch together");
 }
 

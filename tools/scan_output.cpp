@@ -5,8 +5,11 @@
 #include <iostream>
 #include <sstream>
 
+#include "io/exr.h"
+#include "io/exr_heights.h"
 #include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
+#include "io/x3p.h"
 #include "io/zygo_dat.h"
 #include "pipelines/origin.h"
 #include "tools/json_output.h"
@@ -26,17 +29,27 @@ constexpr std::array kTargets = {
                [](const fs::path& path, const HeightField& surface, const std::string&) {
                  write_zygo_dat(path, surface);
                }},
+    ScanTarget{".x3p", kX3p.name.data(),
+               [](const fs::path& path, const HeightField& surface, const std::string&) {
+                 write_x3p(path, surface);
+               }},
     ScanTarget{".npy", kNpy.name.data(),
                [](const fs::path& path, const HeightField& surface, const std::string&) {
                  write_npy(path, surface);
+               }},
+    ScanTarget{".exr", kExrHeights.name.data(),
+               [](const fs::path& path, const HeightField& surface, const std::string& command) {
+                 const Grid<float> z = (surface.z.cast<double>() + surface.mean).cast<float>();
+                 write_exr(path, {{"Y", z}}, {{"unit", "um"}, {"command", command}});
                }}};
 
-/// A sentence for people about what the format cannot keep (.npy: the pitch); empty if it keeps all.
+/// A sentence for people about what the format cannot keep (.npy, .exr: the pitch); empty if it keeps all.
 std::string what_is_lost(const ScanTarget& target, const HeightField& surface) {
-  if (target.format != kNpy.name) return {};
+  if (target.format != kNpy.name && target.format != kExrHeights.name) return {};
   std::ostringstream text;
-  text << std::setprecision(10) << "A .npy file has no place for the pitch: read it again with --pitch "
-       << surface.dx << "um," << surface.dy << "um\n";
+  text << std::setprecision(10) << "A " << target.suffix
+       << " file has no place for the pitch: read it again with --pitch " << surface.dx << "um," << surface.dy
+       << "um\n";
   return text.str();
 }
 
@@ -45,7 +58,7 @@ std::string what_is_lost(const ScanTarget& target, const HeightField& surface) {
 const ScanTarget& scan_target_of(const fs::path& output) {
   for (const ScanTarget& target : kTargets)
     if (output.extension() == target.suffix) return target;
-  throw CLI::ValidationError("--output", "'" + output.string() + "' should end in .h5, .dat or .npy");
+  throw CLI::ValidationError("--output", "'" + output.string() + "' should end in " + kScanSuffixes);
 }
 
 void print_written(const CommonOptions& common, const nlohmann::json& origin, const std::string& what,

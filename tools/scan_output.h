@@ -22,6 +22,9 @@ struct ScanTarget {
   void (*write)(const std::filesystem::path& path, const HeightField& surface, const std::string& command);
 };
 
+/// What the name of a written surface may end in, for people.
+constexpr const char* kScanSuffixes = ".h5, .dat, .x3p, .npy or .exr";
+
 /// The format to write, by the suffix of the output's name, the only thing that says it. Throws
 /// CLI::ValidationError for other suffixes.
 const ScanTarget& scan_target_of(const std::filesystem::path& output);

@@ -199,7 +199,8 @@ constexpr std::array kKinds = {
 };
 
 void add_shared_options(CLI::App& app, Options& options, const Kind& kind) {
-  app.add_option("-o,--output", options.output, "File to write; its suffix .dat, .h5 or .npy says the format")
+  app.add_option("-o,--output", options.output,
+                 std::string("File to write; its suffix ") + kScanSuffixes + " says the format")
       ->required()
       ->type_name("FILE");
   app.add_option("--rows", options.grid.rows, "Points along y (default 480)");

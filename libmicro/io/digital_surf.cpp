@@ -1,11 +1,15 @@
 #include "io/digital_surf.h"
 
+#include <zlib.h>
+
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "io/bytes.h"
 
@@ -58,6 +62,35 @@ double micrometres(const FileBytes& file, Offset offset, const char* axis) {
                   "its unit along " + std::string(axis) + ", \"" + std::string(unit) + "\", is unknown");
 }
 
+/// The points of a compressed file: from `at` on stand the number of streams, the bytes of each unpacked and
+/// packed, and the streams themselves.
+std::vector<std::byte> unpack(const FileBytes& file, std::uint64_t at, std::endian order) {
+  constexpr std::uint64_t most_compression = 1100;  // deflate: 1032 : 1, and its frame
+  constexpr std::uint64_t entry_bytes = 8;
+  file.require(file.size() - at >= 4, "is cut: it has no directory of its compressed points");
+  const auto integer = [&](std::uint64_t where) { return load<std::uint32_t>(file.data() + where, order); };
+  const std::uint64_t streams = integer(at);
+  std::uint64_t entry = at + 4;
+  file.require(streams <= (file.size() - entry) / entry_bytes,
+               "is cut in the directory of its compressed points");
+  std::uint64_t packed_at = entry + streams * entry_bytes;
+  std::vector<std::byte> points;
+  for (std::uint64_t k = 0; k < streams; ++k, entry += entry_bytes) {
+    const std::uint64_t size = integer(entry), packed = integer(entry + 4);
+    file.require(packed <= file.size() - packed_at, "is cut: its compressed points are longer than the file");
+    file.require(size <= packed * most_compression,
+                 "says that its compressed points are larger than they can be");
+    const std::size_t before = points.size();
+    points.resize(before + size);
+    uLongf done = size;
+    const int result = uncompress(reinterpret_cast<Bytef*>(points.data() + before), &done,
+                                  reinterpret_cast<const Bytef*>(file.data() + packed_at), packed);
+    file.require(result == Z_OK && done == size, "its compressed points cannot be unpacked");
+    packed_at += packed;
+  }
+  return points;
+}
+
 template <typename T>
 HeightField read_points(const FileBytes& file, const std::byte* data, std::endian order, std::uint64_t rows,
                         std::uint64_t cols, Pitch pitch, double step, double offset,
@@ -76,8 +109,6 @@ bool is_digital_surf(const FileHead& head) {
 
 HeightField read_digital_surf(const std::filesystem::path& path, const ReadOptions& options) {
   const FileBytes file(path);
-  file.require(!begins_with(file.bytes(), kCompressed),
-               "is a compressed Digital Surf file; only plain ones are read");
   file.require(file.size() >= kHeaderBytes, "is shorter than a Digital Surf header");
   const auto byte_order = load<std::int16_t>(file.data() + kByteOrder, std::endian::little);
   file.require(byte_order == 0 || byte_order == 257, "its byte order is unknown");
@@ -95,8 +126,12 @@ HeightField read_digital_surf(const std::filesystem::path& path, const ReadOptio
   const auto rows = static_cast<std::uint64_t>(integer(kRows));
   const std::uint64_t begin = kHeaderBytes + load<std::uint16_t>(file.data() + kCommentSize, order) +
                               load<std::uint16_t>(file.data() + kPrivateSize, order);
+  file.require(begin <= file.size(), "is cut in its header");
   const auto bytes_each = static_cast<std::uint64_t>(bits / 8);
-  file.require(begin <= file.size() && rows <= (file.size() - begin) / bytes_each / cols,
+  std::vector<std::byte> unpacked;
+  std::span<const std::byte> data = file.bytes().subspan(begin);
+  if (begins_with(file.bytes(), kCompressed)) data = unpacked = unpack(file, begin, order);
+  file.require(rows <= data.size() / bytes_each / cols,
                "is cut: its header promises more points than it has");
 
   const Pitch pitch = file_pitch(
@@ -109,7 +144,7 @@ HeightField read_digital_surf(const std::filesystem::path& path, const ReadOptio
                            ? std::optional<std::int64_t>(std::int64_t{integer(kZMin)} - 2)
                            : std::nullopt;
   const auto read = bits == 16 ? read_points<std::int16_t> : read_points<std::int32_t>;
-  return read(file, file.data() + begin, order, rows, cols, pitch, step, offset, missing);
+  return read(file, data.data(), order, rows, cols, pitch, step, offset, missing);
 }
 
 }  // namespace micro

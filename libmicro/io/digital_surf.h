@@ -7,8 +7,8 @@ namespace micro {
 bool is_digital_surf(const FileHead& head);
 HeightField read_digital_surf(const std::filesystem::path& path, const ReadOptions& options);
 
-/// Digital Surf .sur, plain (not compressed), PC or Macintosh byte order, 16 or 32 bits, one surface. Each
-/// axis has a unit of its own. With special points, raw = zmin − 2 is missing.
+/// Digital Surf .sur, plain or compressed (zlib), PC or Macintosh byte order, 16 or 32 bits, one surface.
+/// Each axis has a unit of its own. With special points, raw = zmin − 2 is missing.
 inline constexpr ScanFormat kDigitalSurf = {
     "digital-surf", "Digital Surf .sur", ScanFormat::Listed::WhenFound, is_digital_surf, read_digital_surf};
 

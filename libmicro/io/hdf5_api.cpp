@@ -1,5 +1,7 @@
 #include "io/hdf5_api.h"
 
+#include <pthread.h>
+
 #include <string_view>
 
 namespace micro::hdf5 {
@@ -10,6 +12,9 @@ std::mutex& library_mutex() {
   // what a full disk has refused.
   [[maybe_unused]] static const herr_t no_cleanup_at_exit = H5dont_atexit();
   static std::mutex mutex;
+  // A child process must not be born while another thread is inside the library.
+  [[maybe_unused]] static const int fork_waits =
+      pthread_atfork([] { mutex.lock(); }, [] { mutex.unlock(); }, [] { mutex.unlock(); });
   return mutex;
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "io/hdf5_writer.h"
 
 namespace micro {
+
+/// What every HDF5 file begins with.
+constexpr std::string_view kHdf5Signature = "\x89HDF\r\n\x1a\n";
 
 /// Fields of one element of a compound, by name: text, a number, or a list of numbers. Fields of any other
 /// kind are left out.

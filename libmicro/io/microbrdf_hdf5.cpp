@@ -28,7 +28,7 @@ enum class Kind { Heights, Result, Foreign };
 /// What kind of our files this is, if it is ours. HDF5 opens no file that was cut: then it is judged by the
 /// names that stand in its beginning, where the root's attributes and a result's first group are.
 Kind kind_of(const FileHead& head) {
-  if (!begins_with(head.bytes, "\x89HDF\r\n\x1a\n")) return Kind::Foreign;
+  if (!begins_with(head.bytes, kHdf5Signature)) return Kind::Foreign;
   try {
     const Hdf5Reader file(head.path);
     if (!file.has_attribute("/", "format") || file.text_attribute("/", "format") != "microbrdf")

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "io/hdf5_reader.h"
 #include "io/hdf5_writer.h"
 #include "io/scan.h"
 
@@ -30,13 +31,16 @@ bool is_microbrdf_result(const FileHead& head);
 HeightField refuse_microbrdf_result(const std::filesystem::path& path, const ReadOptions& options);
 
 /// Our own height file. One that was cut is refused.
-inline constexpr ScanFormat kMicrobrdfHdf5 = {"microbrdf-hdf5", "microbrdf height file (HDF5)",
-                                              ScanFormat::Listed::WhenFound, is_microbrdf_hdf5,
-                                              read_microbrdf_hdf5};
+inline constexpr ScanFormat kMicrobrdfHdf5 = {"microbrdf-hdf5",
+                                              "microbrdf height file (HDF5)",
+                                              ScanFormat::Listed::WhenFound,
+                                              is_microbrdf_hdf5,
+                                              read_microbrdf_hdf5,
+                                              kHdf5Signature};
 
 /// What runs leave: known so that it is taken neither for a scan nor for a broken one.
-inline constexpr ScanFormat kMicrobrdfResult = {"microbrdf-result", "result of microbrdf (HDF5)",
+inline constexpr ScanFormat kMicrobrdfResult = {"microbrdf-result",        "result of microbrdf (HDF5)",
                                                 ScanFormat::Listed::Never, is_microbrdf_result,
-                                                refuse_microbrdf_result};
+                                                refuse_microbrdf_result,   kHdf5Signature};
 
 }  // namespace micro

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <array>
 #include <cmath>
@@ -159,6 +160,57 @@ TEST_F(PlainFormats, DigitalSurfInEitherByteOrderAndWidth) {
         }
 }
 
+/// The same file with its points in two compressed streams.
+std::vector<std::byte> compressed(const std::vector<std::byte>& plain, std::size_t point_bytes) {
+  std::vector<std::byte> bytes(plain.begin(), plain.end() - static_cast<std::ptrdiff_t>(point_bytes));
+  std::memcpy(bytes.data(), "DSCOMPRESSED", 12);
+  const std::size_t directory = bytes.size(), half = point_bytes / 2;
+  bytes.resize(directory + 4 + 2 * 8);
+  put<std::uint32_t>(bytes, directory, 2, false);
+  for (std::size_t stream = 0; stream < 2; ++stream) {
+    std::array<Bytef, 200> packed;
+    uLongf size = packed.size();
+    compress(packed.data(), &size,
+             reinterpret_cast<const Bytef*>(plain.data() + plain.size() - point_bytes + stream * half), half);
+    put(bytes, directory + 4 + 8 * stream, static_cast<std::uint32_t>(half), false);
+    put(bytes, directory + 8 + 8 * stream, static_cast<std::uint32_t>(size), false);
+    const auto* begin = reinterpret_cast<const std::byte*>(packed.data());
+    bytes.insert(bytes.end(), begin, begin + size);
+  }
+  return bytes;
+}
+
+TEST_F(PlainFormats, CompressedDigitalSurfIsThePlainOne) {
+  for (const int bits : {16, 32}) {
+    const auto plain = small_surf({.bits = bits});
+    const auto packed = compressed(plain, static_cast<std::size_t>(6 * bits / 8));
+    write_bytes(path, plain);
+    const HeightField expected = read_scan(path).surface;
+    write_bytes(path, packed);
+    const HeightField surface = read_scan(path).surface;
+    EXPECT_EQ(surface.mean, expected.mean);
+    EXPECT_TRUE((surface.z == expected.z || (surface.z.isNaN() && expected.z.isNaN())).all());
+    // Any byte less, and any number of bytes that is a lie.
+    const auto refused = [&](std::vector<std::byte> bytes, std::size_t at, int value, const char* words) {
+      if (at < bytes.size()) bytes[at] = static_cast<std::byte>(value);
+      write_bytes(path, bytes);
+      try {
+        read_scan(path);
+        ADD_FAILURE() << words;
+      } catch (const FileError& error) {
+        EXPECT_NE(error.fact().find(words), std::string::npos) << error.what();
+      }
+    };
+    constexpr std::size_t directory = 512 + 7 + 5;
+    refused({packed.begin(), packed.end() - 1}, SIZE_MAX, 0, "longer than the file");
+    refused(packed, directory + 3, 0x7F, "cut in the directory");
+    refused(packed, directory, 1, "cannot be unpacked");
+    refused(packed, directory + 4 + 3, 0x7F, "larger than they can be");
+    refused(packed, directory + 4, 5, "cannot be unpacked");
+    refused(packed, directory + 20, 0, "cannot be unpacked");
+  }
+}
+
 TEST_F(PlainFormats, DigitalSurfRefusesWhatIsWrong) {
   const auto refused = [&](std::size_t at, std::initializer_list<int> values, const char* words) {
     auto bytes = small_surf({});
@@ -172,7 +224,7 @@ TEST_F(PlainFormats, DigitalSurfRefusesWhatIsWrong) {
       EXPECT_NE(error.fact().find(words), std::string::npos) << error.what();
     }
   };
-  refused(0, {'D', 'S', 'C', 'O', 'M', 'P', 'R', 'E', 'S', 'S', 'E', 'D'}, "compressed");
+  refused(0, {'D', 'S', 'C', 'O', 'M', 'P', 'R', 'E', 'S', 'S', 'E', 'D'}, "cut in the directory");
   refused(108, {0xFF, 0xFF, 0xFF, 0x7F, 0xFF, 0xFF, 0xFF, 0x7F}, "cut");
   refused(108, {0xFF, 0xFF, 0xFF, 0xFF}, "no heights");
   refused(108, {0, 0, 0, 0}, "no heights");

@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 
 #include "core/error.h"
+#include "io/exr.h"
 #include "io/scan.h"
 #include "io/small_profiler_scans_test.h"
 #include "io/small_scans_test.h"
+#include "io/x3p.h"
 #include "testing/temporary_folder.h"
 
 namespace micro {
@@ -141,6 +144,146 @@ TEST_F(ProfilerFormats, SensofarPlu) {
   // A log that begins with a date is none.
   write_text(path, "Fri Mar 10 16:35:59 2023 " + std::string(600, 'a'));
   EXPECT_EQ(recognise_scan(path), nullptr);
+}
+
+TEST_F(ProfilerFormats, X3pOfEveryTypeAndEveryWayToBeMissing) {
+  for (const char type : {'I', 'L', 'F', 'D'})
+    for (const char* inside : {"", "some name/", "a/b/"})
+      for (const bool list : {false, true})
+        for (const double missing : {std::nan(""), HUGE_VAL, -HUGE_VAL})
+          expect_small_scan(
+              small_x3p({.type = type, .folder = inside, .valid_points = list, .missing = missing}), "x3p");
+}
+
+TEST_F(ProfilerFormats, X3pChecksumsAreVerified) {
+  // Of 1 … 6 µm as 64-bit floats; either case of the digits.
+  const X3pFile list = {.valid_points = true, .md5 = ""};
+  for (const char* right : {"8938b0f299162600759d0b0221d99926", "8938B0F299162600759D0B0221D99926"}) {
+    X3pFile file = list;
+    file.md5 = right;
+    expect_small_scan(small_x3p(file), "x3p");
+  }
+  X3pFile file = list;
+  file.md5 = "8938b0f299162600759d0b0221d99920";
+  expect_refused(small_x3p(file), "MD5 checksum of its points");
+}
+
+TEST_F(ProfilerFormats, X3pRefusesWhatIsWrong) {
+  const X3pFile file = {};
+  const std::string main = x3p_main(file);
+  const auto refused = [&](const std::string& from, const std::string& to, const char* words) {
+    expect_refused(small_x3p(file, replaced(main, from, to)), words);
+  };
+  refused("<SizeX>3", "<SizeX>4", "fewer points");
+  refused("<SizeX>3", "<SizeX>2", "make sense");
+  refused("<SizeX>3", "<SizeX>4294967295", "fewer points");
+  refused("<SizeX>3", "<SizeX>0", "no heights");
+  refused("<SizeX>3", "<SizeX>three", "SizeX");
+  refused("<SizeZ>1", "<SizeZ>2", "layers");
+  refused("<DataType>D", "<DataType>X", "\"X\"");
+  refused("2.5e-007", "2,5e-007", "\"2,5e-007\"");
+  refused("2.5e-007", "", "--pitch");
+  refused("2.5e-007", "-1", "lateral");
+  refused("<CX><AxisType>I", "<CX><AxisType>A", "evenly");
+  refused("</DataType><Increment/>", "</DataType><Increment>1e-6</Increment>", "increment");
+  refused("bindata/data.bin", "bindata/other.bin", "missing");
+  refused("<PointDataLink>bindata/data.bin</PointDataLink>", "", "main.xml");
+  refused("</Record3>", "", "no XML");
+  expect_refused(stored_zip({{"main.xml", main}}), "missing");
+  auto bytes = small_x3p(file);
+  expect_refused({bytes.begin(), bytes.end() - 1}, "zip");
+  const std::size_t data =
+      std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()).find("data.bin", main.size()) +
+      8;
+  expect_refused(with(bytes, data, "x"), "CRC");
+  write_bytes(path, stored_zip({{"main.xml", "<other/>"}}));
+  EXPECT_EQ(recognise_scan(path), nullptr);
+  write_bytes(path, stored_zip({{"word/document.xml", "<document/>"}}));
+  EXPECT_EQ(recognise_scan(path), nullptr);
+}
+
+HeightField some_surface() {
+  Grid<double> z(5, 7);
+  for (Eigen::Index k = 0; k < z.size(); ++k)
+    z.data()[k] = 1e4 + std::sin(static_cast<double>(k));
+  z(1, 2) = NAN;
+  return make_height_field(z, 0.1276565, 0.3145821);
+}
+
+TEST_F(ProfilerFormats, X3pComesBackAsItWasWritten) {
+  const HeightField surface = some_surface();
+  write_x3p(path, surface);
+  const HeightField back = read_scan(path).surface;
+  constexpr double digits = 1e-15;  // of a product with 1e-6 and its inverse
+  EXPECT_NEAR(back.dx, surface.dx, digits);
+  EXPECT_NEAR(back.dy, surface.dy, digits);
+  constexpr double rounding = 1e-7;  // of heights of ±1 µm, kept as floats
+  for (Eigen::Index k = 0; k < surface.z.size(); ++k) {
+    const float before = surface.z.data()[k], after = back.z.data()[k];
+    if (is_missing(before))
+      EXPECT_TRUE(is_missing(after));
+    else
+      EXPECT_NEAR(back.mean + static_cast<double>(after), surface.mean + static_cast<double>(before),
+                  rounding);
+  }
+  // Equal surfaces make equal files.
+  const auto bytes = read_bytes(path);
+  write_x3p(path, surface);
+  EXPECT_EQ(read_bytes(path), bytes);
+}
+
+TEST_F(ProfilerFormats, X3pIsWhatPythonReads) {
+  write_x3p(path, some_surface());
+  write_text(
+      folder.path() / "read.py",
+      "import hashlib, math, struct, zipfile\n"
+      "import xml.etree.ElementTree as tree\n"
+      "z = zipfile.ZipFile('" +
+          path.string() +
+          "')\n"
+          "assert z.testzip() is None\n"
+          "main, data = z.read('main.xml'), z.read('bindata/data.bin')\n"
+          "assert z.read('md5checksum.hex').decode() == hashlib.md5(main).hexdigest() + ' *main.xml\\n'\n"
+          "root = tree.fromstring(main)\n"
+          "assert root.tag == '{http://www.opengps.eu/2008/ISO5436_2}ISO5436_2'\n"
+          "text = lambda path: root.find(path).text\n"
+          "assert text('Record3/DataLink/MD5ChecksumPointData') == hashlib.md5(data).hexdigest()\n"
+          "assert (text('Record3/MatrixDimension/SizeX'), text('Record3/MatrixDimension/SizeY')) == ('7', "
+          "'5')\n"
+          "assert abs(float(text('Record1/Axes/CX/Increment')) - 0.1276565e-6) < 1e-20\n"
+          "assert abs(float(text('Record1/Axes/CY/Increment')) - 0.3145821e-6) < 1e-20\n"
+          "points = struct.unpack('<35d', data)\n"
+          "for k, p in enumerate(points):\n"
+          "  assert math.isnan(p) if k == 9 else abs(p * 1e6 - 1e4 - math.sin(k)) < 1e-6\n");
+  if (std::system("/usr/bin/python3 -c ''") != 0) GTEST_SKIP() << "NOT CHECKED: there is no /usr/bin/python3";
+  EXPECT_EQ(std::system(("/usr/bin/python3 " + (folder.path() / "read.py").string()).c_str()), 0);
+}
+
+TEST_F(ProfilerFormats, ExrHeightMapsAreReadWhenNamed) {
+  const HeightField surface = some_surface();
+  const auto read_with = [&](const std::vector<ExrChannel>& channels) {
+    write_exr(path, channels, {});
+    return read_scan(path, {.pitch_x = 0.25, .pitch_y = 0.5});
+  };
+  const Grid<float> other = Grid<float>::Zero(5, 7);
+  for (const auto& channels : std::vector<std::vector<ExrChannel>>{
+           {{"Y", surface.z}}, {{"height", surface.z}}, {{"A", other}, {"Y", surface.z}, {"Z", other}}}) {
+    const Scan scan = read_with(channels);
+    EXPECT_EQ(scan.format, "exr");
+    EXPECT_EQ(recognise_scan(path)->listed, ScanFormat::Listed::WhenNamed);
+    EXPECT_EQ(scan.surface.dx, 0.25);
+    EXPECT_EQ(scan.surface.dy, 0.5);
+    ASSERT_EQ(scan.surface.rows(), 5);
+    ASSERT_EQ(scan.surface.cols(), 7);
+    for (Eigen::Index k = 0; k < surface.z.size(); ++k)
+      if (is_missing(surface.z.data()[k]))
+        EXPECT_TRUE(is_missing(scan.surface.z.data()[k]));
+      else
+        EXPECT_NEAR(scan.surface.mean + static_cast<double>(scan.surface.z.data()[k]),
+                    static_cast<double>(surface.z.data()[k]), kRounding);
+  }
+  EXPECT_THROW(read_with({{"R", other}, {"G", other}}), FileError);
+  EXPECT_THROW(read_scan(path), FileError) << "no pitch";
 }
 
 }  // namespace

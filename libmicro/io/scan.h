@@ -35,6 +35,10 @@ struct ScanFormat {
   enum class Listed { WhenFound, WhenNamed, Never } listed;
   bool (*recognise)(const FileHead& head);
   HeightField (*read)(const std::filesystem::path& path, const ReadOptions& options);
+  /// What files begin with that a library opens for us (HDF5, zip, OpenEXR). Such a file is recognised and
+  /// read in a child process, so that one that crashes its library is a FileError. Empty: our own parser
+  /// reads it.
+  std::string_view container = {};
 };
 
 /// The one visible table of formats, in order of recognition.

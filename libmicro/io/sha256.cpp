@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "io/hexadecimal.h"
 
 namespace micro {
 
@@ -25,13 +26,7 @@ std::string sha256_of_file(const std::filesystem::path& path) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
   unsigned int size = 0;
   EVP_DigestFinal_ex(context.get(), digest.data(), &size);
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string text;
-  for (unsigned int k = 0; k < size; ++k) {
-    text += kDigits[digest[k] >> 4];
-    text += kDigits[digest[k] & 15];
-  }
-  return text;
+  return hexadecimal({digest.data(), size});
 }
 
 }  // namespace micro

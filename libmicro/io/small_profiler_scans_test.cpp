@@ -1,5 +1,7 @@
 #include "io/small_profiler_scans_test.h"
 
+#include <zlib.h>
+
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -115,6 +117,91 @@ std::vector<std::byte> small_plu() {
   for (std::size_t k = 0; k < kPoints; ++k)
     put(bytes, 508 + 4 * k, k == 5 ? 1000001.F : static_cast<float>(k + 1), false);
   return bytes;
+}
+
+std::string x3p_main(const X3pFile& file) {
+  const bool integer = file.type == 'I' || file.type == 'L';
+  std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<p:ISO5436_2 "
+      "xmlns:p=\"http://www.opengps.eu/2008/ISO5436_2\"><Record1><Revision>ISO5436 - "
+      "2000</Revision><FeatureType>SUR</FeatureType><Axes><CX><AxisType>I</AxisType><Increment>2.5e-007</"
+      "Increment></CX><CY><AxisType>I</AxisType><Increment> 0.0000005 "
+      "</Increment><Offset/></CY><CZ><AxisType>A</AxisType><DataType>";
+  text += file.type;
+  text += integer ? "</DataType><Increment>5e-7</Increment><Offset>-0.000001</Offset></CZ>"
+                  : "</DataType><Increment/><Offset/></CZ>";
+  text +=
+      "</Axes></Record1><Record3><MatrixDimension><SizeX>3</SizeX><SizeY>2</SizeY><SizeZ>1</SizeZ></"
+      "MatrixDimension><DataLink><PointDataLink>bindata/data.bin</PointDataLink>";
+  if (!file.md5.empty()) text += "<MD5ChecksumPointData>" + file.md5 + "</MD5ChecksumPointData>";
+  if (integer || file.valid_points) text += "<ValidPointsLink>bindata/valid.bin</ValidPointsLink>";
+  return text + "</DataLink></Record3></p:ISO5436_2>\n";
+}
+
+std::vector<std::byte> small_x3p(const X3pFile& file, const std::string& main) {
+  const bool integer = file.type == 'I' || file.type == 'L', list = integer || file.valid_points;
+  std::vector<std::byte> points;
+  for (int k = 1; k <= 6; ++k) {
+    const double metres = k == 6 && !list ? file.missing : 1e-6 * k;
+    const auto point = file.type == 'I'   ? bytes_of(static_cast<std::int16_t>(2 * (k + 1)))
+                       : file.type == 'L' ? bytes_of(static_cast<std::int32_t>(2 * (k + 1)))
+                       : file.type == 'F' ? bytes_of(static_cast<float>(metres))
+                                          : bytes_of(metres);
+    points.insert(points.end(), point.begin(), point.end());
+  }
+  std::vector<StoredMember> members;
+  if (!file.folder.empty())
+    members = {
+        {file.folder, ""}, {"__MACOSX/main.xml", "Mac"}, {"__MACOSX/" + file.folder + "main.xml", "Mac"}};
+  members.push_back({file.folder + "main.xml", main});
+  members.push_back(
+      {file.folder + "bindata/data.bin", {reinterpret_cast<const char*>(points.data()), points.size()}});
+  if (list) members.push_back({file.folder + "bindata/valid.bin", "\x1F"});
+  return stored_zip(members);
+}
+
+std::vector<std::byte> small_x3p(const X3pFile& file) {
+  return small_x3p(file, x3p_main(file));
+}
+
+std::vector<std::byte> stored_zip(const std::vector<StoredMember>& members) {
+  std::vector<std::byte> archive, directory;
+  const auto append = [](std::vector<std::byte>& to, const std::string& text) {
+    const auto* begin = reinterpret_cast<const std::byte*>(text.data());
+    to.insert(to.end(), begin, begin + text.size());
+  };
+  for (const auto& [name, content] : members) {
+    const auto size = static_cast<std::uint32_t>(content.size());
+    const auto crc = static_cast<std::uint32_t>(
+        crc32(0, reinterpret_cast<const Bytef*>(content.data()), static_cast<uInt>(content.size())));
+    // From the needed version to the length of the name both headers are the same.
+    std::vector<std::byte> common(24);
+    put<std::uint16_t>(common, 0, 20, false);
+    put<std::uint16_t>(common, 8, 0x21, false);
+    put(common, 10, crc, false);
+    put(common, 14, size, false);
+    put(common, 18, size, false);
+    put(common, 22, static_cast<std::uint16_t>(name.size()), false);
+    const auto at = static_cast<std::uint32_t>(archive.size());
+    append(archive, "PK\3\4");
+    archive.insert(archive.end(), common.begin(), common.end());
+    archive.resize(archive.size() + 2);
+    append(archive, name + content);
+    append(directory, std::string("PK\1\2\x14\0", 6));
+    directory.insert(directory.end(), common.begin(), common.end());
+    directory.resize(directory.size() + 16);
+    put(directory, directory.size() - 4, at, false);
+    append(directory, name);
+  }
+  std::vector<std::byte> end(18);
+  put(end, 4, static_cast<std::uint16_t>(members.size()), false);
+  put(end, 6, static_cast<std::uint16_t>(members.size()), false);
+  put(end, 8, static_cast<std::uint32_t>(directory.size()), false);
+  put(end, 12, static_cast<std::uint32_t>(archive.size()), false);
+  archive.insert(archive.end(), directory.begin(), directory.end());
+  append(archive, "PK\5\6");
+  archive.insert(archive.end(), end.begin(), end.end());
+  return archive;
 }
 
 }  // namespace micro

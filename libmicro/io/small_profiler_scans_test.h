@@ -27,4 +27,23 @@ std::vector<std::byte> small_opd(const Opd& opd);
 
 std::vector<std::byte> small_plu();
 
+/// X3P, its members stored as they are, without checksums unless `md5` states one for the points.
+struct X3pFile {
+  char type = 'D';            ///< I, L: raw is twice the height; F, D: metres
+  std::string folder = "";    ///< of main.xml; with one, macOS has left its shadows
+  bool valid_points = false;  ///< as I and L always have: a list of them; otherwise the last point is NaN
+  double missing = 0;         ///< of F and D without a list
+  std::string md5 = "";
+};
+std::string x3p_main(const X3pFile& file);
+std::vector<std::byte> small_x3p(const X3pFile& file);
+/// The same with another main.xml.
+std::vector<std::byte> small_x3p(const X3pFile& file, const std::string& main);
+
+/// A zip archive of members that are stored as they are.
+struct StoredMember {
+  std::string name, content;
+};
+std::vector<std::byte> stored_zip(const std::vector<StoredMember>& members);
+
 }  // namespace micro

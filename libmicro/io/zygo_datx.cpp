@@ -15,7 +15,6 @@
 namespace micro {
 namespace {
 
-constexpr std::string_view kSignature = "\x89HDF\r\n\x1a\n";
 constexpr const char* kSurfaces = "/Data/Surface";
 
 /// Length units of Mx, in µm.
@@ -105,7 +104,7 @@ double height_unit(const std::filesystem::path& path, const Hdf5Reader& file, co
 }  // namespace
 
 bool is_zygo_datx(const FileHead& head) {
-  if (!begins_with(head.bytes, kSignature)) return false;
+  if (!begins_with(head.bytes, kHdf5Signature)) return false;
   try {
     const Hdf5Reader file(head.path);
     return file.is_group(kSurfaces) || (file.contains("/MetaData") && file.is_group("/Attributes"));
