@@ -1,5 +1,6 @@
 #include "pipelines/ndf_fits.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -47,6 +48,16 @@ std::vector<NdfTable> read_method(const Hdf5Reader& file, const std::string& met
   return tables;
 }
 
+/// A file with distributions, ours or another program's. Throws FileError.
+Hdf5Reader open_result(const std::filesystem::path& path) {
+  Hdf5Reader file(path);
+  if (file.has_attribute("/", "format") && file.text_attribute("/", "format") == "microbrdf")
+    file.require_complete();
+  if (!file.contains("/ndf") || !file.is_group("/ndf"))
+    throw FileError(path, "holds no normal distribution (/ndf/<method>/density)");
+  return file;
+}
+
 void write_fit(Hdf5Writer& file, const NdfFit& ndf_fit) {
   const Fit& fit = ndf_fit.fit;
   const std::string group = "/fit/" + ndf_fit.method + "/" + std::string(name_of(fit.model));
@@ -91,11 +102,7 @@ std::string_view name_of(FitModel model) {
 }
 
 NdfTables read_ndf_tables(const std::filesystem::path& path) {
-  const Hdf5Reader file(path);
-  if (file.has_attribute("/", "format") && file.text_attribute("/", "format") == "microbrdf")
-    file.require_complete();
-  if (!file.contains("/ndf") || !file.is_group("/ndf"))
-    throw FileError(path, "holds no normal distribution (/ndf/<method>/density)");
+  const Hdf5Reader file = open_result(path);
   NdfTables result;
   for (const std::string& method : file.children("/ndf")) {
     const std::string group = "/ndf/" + method;
@@ -117,6 +124,24 @@ NdfTables read_ndf_tables(const std::filesystem::path& path) {
                     "holds no normal distribution (/ndf/<method>/density) that could be fitted" + reasons);
   }
   return result;
+}
+
+std::vector<NdfTable> read_ndf(const std::filesystem::path& path, const std::string& method) {
+  const Hdf5Reader file = open_result(path);
+  const std::vector<std::string> methods = file.children("/ndf");
+  if (std::ranges::find(methods, method) == methods.end()) {
+    std::string names;
+    for (const std::string& known : methods)
+      names += (names.empty() ? "" : ", ") + known;
+    throw FileError(path, "holds no distribution '" + method + "'; there are " + names);
+  }
+  try {
+    return read_method(file, method);
+  } catch (const FileError&) {
+    throw;
+  } catch (const InputError& error) {
+    throw FileError(path, method + ": " + error.what());
+  }
 }
 
 NdfFits fit_ndfs(const std::vector<NdfTable>& tables, Weighting weighting) {

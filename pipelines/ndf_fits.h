@@ -53,6 +53,10 @@ struct NdfTables {
 /// table.
 NdfTables read_ndf_tables(const std::filesystem::path& path);
 
+/// The table of /ndf/<method> alone, or those of its wavelengths. Throws FileError as above, or naming the
+/// methods that are there.
+std::vector<NdfTable> read_ndf(const std::filesystem::path& path, const std::string& method);
+
 /// Fits ellipsoid and Beckmann to each table [Dong15 §8, Fig. 12]. Tables that cannot be fitted are left out,
 /// with the reason.
 NdfFits fit_ndfs(const std::vector<NdfTable>& tables, Weighting weighting);

@@ -23,6 +23,7 @@ Run add_convert(CLI::App& app);
 Run add_synth(CLI::App& app);
 Run add_ndf(CLI::App& app);
 Run add_fit(CLI::App& app);
+Run add_brdf(CLI::App& app);
 Run add_run(CLI::App& app);
 Run add_texture(CLI::App& app);
 Run add_study(CLI::App& app);

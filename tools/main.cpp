@@ -38,6 +38,7 @@ constexpr std::array kCommands = {
     Command{"fit", "Ellipsoid and Beckmann fits of every normal distribution in a file",
             micro::tools::add_fit},
     Command{"texture", "Ellipsoids of texels, and large textures made like them", micro::tools::add_texture},
+    Command{"brdf", "Reflectance: slices, albedos, spectra and tables of a model", micro::tools::add_brdf},
     Command{"study", "The paper's experiments on your own scans", micro::tools::add_study},
 };
 
