@@ -57,12 +57,13 @@ BrdfModel waves(const ResultModelRequest& request, const std::vector<NdfTable>& 
     densities.emplace_back(table.density);
   }
   const Tabulated normals = masking_normals(request, densities.back());
+  const Tabulated& drawn = densities[densities.size() / 2];
   const SpectrumDensity density(lambda_q, densities);
   const std::string description = request.distribution +
                                   (request.masking == Masking::Smith ? ", Smith's G, " : ", without G, ") +
                                   request.path.string();
-  return {description, AnyBrdf(KirchhoffBrdf(density, normals, request.masking, fresnel)),
-          AnyBrdf(KirchhoffBrdf(density, normals, request.masking))};
+  return {description, AnyBrdf(KirchhoffBrdf(density, normals, drawn, request.masking, fresnel)),
+          AnyBrdf(KirchhoffBrdf(density, normals, drawn, request.masking))};
 }
 
 }  // namespace

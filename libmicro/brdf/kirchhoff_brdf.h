@@ -68,9 +68,14 @@ enum class Masking { Smith, None };
 template <WaveDensity Density, Distribution Normals>
 class KirchhoffBrdf {
  public:
-  KirchhoffBrdf(Density density, Normals normals, Masking masking, Fresnel fresnel = Fresnel())
+  KirchhoffBrdf(Density density, const Normals& normals, Masking masking, Fresnel fresnel = Fresnel())
+      : KirchhoffBrdf(std::move(density), normals, normals, masking, std::move(fresnel)) {}
+  /// Directions drawn by other normals than those that mask: D_K's own at some λ_q, which weigh it evenly.
+  KirchhoffBrdf(Density density, Normals masking_normals, Normals drawn, Masking masking,
+                Fresnel fresnel = Fresnel())
       : density_(std::move(density)),
-        lobe_(std::move(normals)),
+        normals_(std::move(masking_normals)),
+        lobe_(std::move(drawn)),
         masking_(masking),
         fresnel_(std::move(fresnel)) {}
 
@@ -105,11 +110,10 @@ class KirchhoffBrdf {
   static constexpr double kCosineShare = 0.1;
 
   /// G1/cosθ, or 1/cosθ.
-  double seen(const Vec3& u) const {
-    return (masking_ == Masking::Smith ? lobe_.normals().G1(u) : 1) / u.z();
-  }
+  double seen(const Vec3& u) const { return (masking_ == Masking::Smith ? normals_.G1(u) : 1) / u.z(); }
 
   Density density_;
+  Normals normals_;
   Microfacet<Normals> lobe_;
   Masking masking_;
   Fresnel fresnel_;
