@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "error_vs_time/brdf_curves.h"
 #include "error_vs_time/fit_curves.h"
 #include "error_vs_time/kirchhoff_curves.h"
 
@@ -29,9 +30,9 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "CSV file to write")->required();
   app.add_option("--most-seconds", most_seconds, "A sweep ends with the first point that took longer")
       ->capture_default_str();
-  std::vector<std::string> parts = {"kirchhoff", "fit"};
-  app.add_option("--part", parts, "kirchhoff, or fit with masking and sampling; repeatable")
-      ->check(CLI::IsMember({"kirchhoff", "fit"}))
+  std::vector<std::string> parts = {"kirchhoff", "fit", "brdf"};
+  app.add_option("--part", parts, "kirchhoff, fit with masking and sampling, or brdf; repeatable")
+      ->check(CLI::IsMember({"kirchhoff", "fit", "brdf"}))
       ->allow_extra_args(false)
       ->capture_default_str();
   app.add_option("SCAN", scans, "Real scans, beside the made surfaces");
@@ -51,6 +52,7 @@ int main(int argc, char** argv) {
     return std::find(parts.begin(), parts.end(), part) != parts.end();
   };
   if (wants("fit")) fit_curves(report);
+  if (wants("brdf")) brdf_curves(report);
   if (wants("kirchhoff"))
     for (const auto& surfaces : {made_surfaces(), real_surfaces(scans)})
       for (const NamedSurface& surface : surfaces)
