@@ -23,6 +23,13 @@ void DirectionsMean::add(const KirchhoffEstimate& scan, double area, double pitc
   pitch_ = std::max(pitch_, pitch);
 }
 
+void DirectionsMean::merge(const DirectionsMean& other) {
+  mean_.merge(other.mean_);
+  tally_.merge(other.tally_);
+  pitch_ = std::max(pitch_, other.pitch_);
+  micro::add(refusals_, other.refusals_);
+}
+
 std::optional<DirectionsOfScans> DirectionsMean::finish() const {
   if (mean_.count() == 0) return std::nullopt;
   DirectionsOfScans result = result_;

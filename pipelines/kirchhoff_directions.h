@@ -46,6 +46,15 @@ class DirectionsMean {
   void add(const KirchhoffEstimate& scan, double area, double pitch);
   /// A scan that it does not apply to, and why.
   void refuse(const std::string& reason) { ++refusals_[reason]; }
+  /// Adds what another sum over the same directions holds.
+  void merge(const DirectionsMean& other);
+
+  template <typename Archive>
+  void persist(Archive& archive) {
+    archive(result_.kirchhoff, result_.h, mean_, tally_, table_, pitch_, refusals_);
+  }
+
+  const std::vector<Vec3>& h() const { return result_.h; }
   /// Nothing if no scan gave any.
   std::optional<DirectionsOfScans> finish() const;
   /// What was done, or why nothing was.

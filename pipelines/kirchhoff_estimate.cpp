@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <iomanip>
+#include <iterator>
 #include <mutex>
 #include <span>
 #include <sstream>
@@ -207,6 +208,28 @@ void KirchhoffTally::add(const KirchhoffEstimate& scan, double area) {
   unreached_ += scan.unreached;
   const auto at = std::lower_bound(estimators_.begin(), estimators_.end(), scan.estimator);
   if (at == estimators_.end() || *at != scan.estimator) estimators_.insert(at, scan.estimator);
+}
+
+void KirchhoffTally::merge(const KirchhoffTally& other) {
+  checked_ += other.checked_;
+  if (variance_.size() == 0)
+    variance_ = other.variance_;
+  else if (other.variance_.size() > 0)
+    variance_ += other.variance_;
+  area_ += other.area_;
+  seconds_ += other.seconds_;
+  predicted_spared_ += other.predicted_spared_;
+  predicted_.exact += other.predicted_.exact;
+  predicted_.monte_carlo += other.predicted_.monte_carlo;
+  predicted_.spectral += other.predicted_.spectral;
+  scans_ += other.scans_;
+  windows_ += other.windows_;
+  asked_ += other.asked_;
+  unreached_ += other.unreached_;
+  std::vector<std::string> both;
+  std::set_union(estimators_.begin(), estimators_.end(), other.estimators_.begin(), other.estimators_.end(),
+                 std::back_inserter(both));
+  estimators_ = std::move(both);
 }
 
 std::string KirchhoffTally::estimator() const {

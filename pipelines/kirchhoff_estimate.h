@@ -72,6 +72,17 @@ class KirchhoffTally {
   /// `area`: the scan's weight, A_perp in µm².
   void add(const KirchhoffEstimate& scan, double area);
 
+  /// Adds what another tally holds.
+  void merge(const KirchhoffTally& other);
+
+  template <typename Archive>
+  void persist(Archive& archive) {
+    archive(checked_.nodes, checked_.squared, checked_.squared_core_free, checked_.significant,
+            checked_.significant_bad, variance_, area_, seconds_, predicted_spared_, predicted_.exact,
+            predicted_.monte_carlo, predicted_.spectral, predicted_.subdivision, scans_, windows_, asked_,
+            unreached_, estimators_);
+  }
+
   /// "spectral", or "exact and spectral" where the cost model chose differently for different scans.
   std::string estimator() const;
   /// Relative L2 error of the mean: the spectral estimator's against `exact` on a few nodes (with and without

@@ -40,6 +40,22 @@ void NdfMean::add(const ScanNdf& scan, double area, double pitch) {
   ndf_.seconds += scan.seconds;
 }
 
+void NdfMean::merge(const NdfMean& other) {
+  mean_.merge(other.mean_);
+  ndf_.samples += other.ndf_.samples;
+  ndf_.without_normal += other.ndf_.without_normal;
+  ndf_.seconds += other.ndf_.seconds;
+  if (other.ndf_.truncation_error)
+    ndf_.truncation_error = std::max(ndf_.truncation_error.value_or(0), *other.ndf_.truncation_error);
+  outside_ += other.outside_;
+  if (other.kirchhoff_) {
+    if (!kirchhoff_) kirchhoff_.emplace();
+    kirchhoff_->merge(*other.kirchhoff_);
+  }
+  pitch_ = std::max(pitch_, other.pitch_);
+  micro::add(refusals_, other.refusals_);
+}
+
 NdfOfScans NdfMean::finish() const {
   NdfOfScans ndf = ndf_;
   ndf.density = mean_.mean();

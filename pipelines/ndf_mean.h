@@ -44,6 +44,16 @@ class NdfMean {
   /// A scan that the method does not apply to, and why.
   void refuse(const std::string& reason) { ++refusals_[reason]; }
 
+  /// Adds what another sum of the same method holds. Throws InputError if it stands on another grid.
+  void merge(const NdfMean& other);
+
+  template <typename Archive>
+  void persist(Archive& archive) {
+    archive(ndf_.method, ndf_.estimator, ndf_.truncation_error, ndf_.samples, ndf_.without_normal,
+            ndf_.seconds, mean_, grid_, spared_, outside_, kirchhoff_, pitch_, refusals_);
+  }
+
+  const DiskGrid& grid() const { return grid_; }
   std::int64_t count() const { return mean_.count(); }
   NdfOfScans finish() const;
   /// What was done, or why nothing was.

@@ -16,6 +16,7 @@
 #include "height/triangles.h"
 #include "io/sha256.h"
 #include "pipelines/pitch_groups.h"
+#include "pipelines/run_sums.h"
 #include "pipelines/thumbnail.h"
 
 namespace micro {
@@ -253,83 +254,137 @@ Plan plan_of_scans(const std::vector<ScanRecord>& scans, const NdfRequest& reque
   return plan;
 }
 
-}  // namespace
-
-NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
-                       const std::function<void(const Progress&)>& report) {
-  const std::vector<GridOfMethod> grids = choose_grids(listing, request);
-  Estimators estimators = make_estimators(request, grids);
-  std::vector<NdfMean> means;
+/// Sums that nothing has been added to.
+RunSums empty_sums(const ScanListing& listing, const NdfRequest& request,
+                   const std::vector<GridOfMethod>& grids) {
+  RunSums sums;
   for (std::size_t m = 0; m < grids.size(); ++m)
-    means.emplace_back(request.methods[m], grids[m].grid, grids[m].spared);
-  std::optional<DirectionsMean> directions;
-  if (request.directions) {
-    const std::vector<Vec3> h = choose_directions(listing, request);
-    const DiskGrid table = {request.size, 1};
-    directions.emplace(request.directions->kirchhoff, h, table);
-    estimators.directions = std::make_unique<KirchhoffScans>(request.directions->kirchhoff, h, table);
+    sums.means.emplace_back(request.methods[m], grids[m].grid, grids[m].spared);
+  if (request.directions)
+    sums.directions.emplace(request.directions->kirchhoff, choose_directions(listing, request),
+                            DiskGrid{request.size, 1});
+  return sums;
+}
+
+/// Whether two sums stand on the same grids and directions: scans that changed may have moved them.
+bool add_up(const RunSums& a, const RunSums& b) {
+  const auto same_grid = [](const NdfMean& x, const NdfMean& y) { return x.grid() == y.grid(); };
+  if (!std::equal(a.means.begin(), a.means.end(), b.means.begin(), b.means.end(), same_grid)) return false;
+  if (a.directions.has_value() != b.directions.has_value()) return false;
+  return !a.directions || a.directions->h() == b.directions->h();
+}
+
+void add_outcome(RunSums& sums, ScanOutcome outcome) {
+  if (!outcome.record.failure) {
+    const double pitch = std::max(outcome.record.dx, outcome.record.dy);
+    for (std::size_t m = 0; m < sums.means.size(); ++m) {
+      if (!outcome.refusals[m].empty()) sums.means[m].refuse(outcome.refusals[m]);
+      if (outcome.ndfs[m]) sums.means[m].add(*outcome.ndfs[m], outcome.area, pitch);
+    }
+    if (!outcome.directions_refusal.empty()) sums.directions->refuse(outcome.directions_refusal);
+    if (outcome.directions) sums.directions->add(*outcome.directions, outcome.area, pitch);
+    if (outcome.thumbnail) sums.thumbnails.push_back(std::move(*outcome.thumbnail));
+  }
+  sums.scans.push_back(std::move(outcome.record));
+}
+
+PitchGroups pitches_of(const std::vector<ScanRecord>& scans) {
+  PitchGroups pitches;
+  for (const ScanRecord& scan : scans)
+    if (!scan.failure) pitches.add(scan.dx, scan.dy, scan.source);
+  return pitches;
+}
+
+[[noreturn]] void refuse_mixed(const PitchGroups& pitches, const std::vector<ScanRecord>& scans) {
+  std::vector<FailedScan> failed;
+  for (const ScanRecord& scan : scans)
+    if (scan.failure) failed.push_back({scan.source, *scan.failure});
+  throw MixedPitches(pitches, std::move(failed));
+}
+
+/// Keeps a run's sums in its checkpoint, as often as a fifth of the time allows.
+class CheckpointKeeper {
+ public:
+  CheckpointKeeper(const NdfRequest& request, const Course& course) : request_(request), course_(course) {}
+
+  void consider(const RunSums& sums) {
+    constexpr double kShare = 5;
+    if (course_.checkpoint.empty()) return;
+    if (since_.seconds() < std::max(course_.seconds_between, kShare * cost_)) return;
+    keep(sums);
+  }
+  void keep(const RunSums& sums) {
+    if (course_.checkpoint.empty()) return;
+    const Stopwatch watch;
+    write_checkpoint(course_.checkpoint, request_, course_.shard, sums);
+    cost_ = watch.seconds();
+    since_ = Stopwatch();
   }
 
-  NdfResult result;
-  PitchGroups pitches;
+ private:
+  const NdfRequest& request_;
+  const Course& course_;
+  Stopwatch since_;
+  double cost_ = 0;
+};
+
+/// Looks at the scans that the sums do not hold yet.
+void gather(const ScanListing& listing, const NdfRequest& request, const Estimators& estimators,
+            const std::function<void(const Progress&)>& report, const Course& course, RunSums& sums) {
+  PitchGroups pitches = pitches_of(sums.scans);
   std::atomic<bool> refused = false;  // by a second pitch: from then on only the groups' names are wanted
-  const auto total = static_cast<std::int64_t>(listing.scans.size());
+  CheckpointKeeper checkpoint(request, course);
+  const auto total = static_cast<std::int64_t>(listing.scans.size()),
+             first = static_cast<std::int64_t>(sums.scans.size());
   parallel_in_order(
-      total,
+      total - first,
       [&](std::int64_t k) {
-        const ListedScan& scan = listing.scans[static_cast<std::size_t>(k)];
+        const ListedScan& scan = listing.scans[static_cast<std::size_t>(first + k)];
         return refused ? look_at_pitch(scan, request)
-                       : look_at(scan, request, estimators, k < request.thumbnails);
+                       : look_at(scan, request, estimators, first + k < request.thumbnails);
       },
       [&](std::int64_t k, ScanOutcome outcome) {
         if (!outcome.record.failure) {
           pitches.add(outcome.record.dx, outcome.record.dy, outcome.record.source);
           refused = pitches.mixed() && request.pitches == NdfRequest::Pitches::MustAgree;
         }
-        if (!outcome.record.failure && !refused) {
-          const double pitch = std::max(outcome.record.dx, outcome.record.dy);
-          for (std::size_t m = 0; m < means.size(); ++m) {
-            if (!outcome.refusals[m].empty()) means[m].refuse(outcome.refusals[m]);
-            if (outcome.ndfs[m]) means[m].add(*outcome.ndfs[m], outcome.area, pitch);
-          }
-          if (!outcome.directions_refusal.empty()) directions->refuse(outcome.directions_refusal);
-          if (outcome.directions) directions->add(*outcome.directions, outcome.area, pitch);
-          if (outcome.thumbnail) result.thumbnails.push_back(std::move(*outcome.thumbnail));
+        if (refused)
+          sums.scans.push_back(std::move(outcome.record));
+        else
+          add_outcome(sums, std::move(outcome));
+        report({first + k + 1, total, sums.scans.back().source});
+        if (refused) return;
+        if (course.interrupted()) {
+          checkpoint.keep(sums);
+          throw Interrupted("interrupted after " + std::to_string(first + k + 1) + " of " +
+                            counted(total, "scan") +
+                            (course.checkpoint.empty() ? "" : "; the same command goes on from there"));
         }
-        result.scans.push_back(std::move(outcome.record));
-        report({k + 1, total, result.scans.back().source});
+        checkpoint.consider(sums);
       });
-  if (refused) {
-    std::vector<FailedScan> failed;
-    for (const ScanRecord& scan : result.scans)
-      if (scan.failure) failed.push_back({scan.source, *scan.failure});
-    throw MixedPitches(pitches, std::move(failed));
-  }
+  if (refused) refuse_mixed(pitches, sums.scans);
+}
 
+using AddSpectrum = std::function<void(NdfResult&)>;
+
+/// Means, plan and signature from the sums of all scans.
+NdfResult finish(RunSums sums, const NdfRequest& request, const AddSpectrum& add_spectrum) {
+  NdfResult result;
+  result.scans = std::move(sums.scans);
+  result.thumbnails = std::move(sums.thumbnails);
   result.plan = plan_of_scans(result.scans, request);
   const auto add_stages = [&](Plan stages) {
     result.plan.insert(result.plan.end(), stages.begin(), stages.end());
   };
-  for (const NdfMean& mean : means) {
+  for (const NdfMean& mean : sums.means) {
     add_stages(mean.plan());
     if (mean.count() > 0) result.ndfs.push_back(mean.finish());
   }
-  if (directions) {
-    add_stages(directions->plan());
-    result.directions = directions->finish();
+  if (sums.directions) {
+    add_stages(sums.directions->plan());
+    result.directions = sums.directions->finish();
   }
-  if (request.spectrum) {
-    SpectrumOutcome outcome = kirchhoff_spectrum(
-        listing, request.prepare, spectrum_grid(listing, request), *request.spectrum,
-        [&](std::size_t k) { return !result.scans[k].failure; },
-        [&](std::size_t k) {
-          report({static_cast<std::int64_t>(k) + 1, total, listing.scans[k].source});
-        });
-    result.spectrum = std::move(outcome.spectrum);
-    for (const SpectrumRefusal& refusal : outcome.refusals)
-      if (request.unfit == NdfRequest::Unfit::Fail) result.scans[refusal.scan].failure = refusal.reason;
-    result.plan.insert(result.plan.end(), outcome.plan.begin(), outcome.plan.end());
-  }
+  add_spectrum(result);
   const bool errors = std::any_of(result.ndfs.begin(), result.ndfs.end(),
                                   [](const NdfOfScans& ndf) { return ndf.standard_error.has_value(); }) ||
                       (result.directions && result.directions->standard_error) ||
@@ -364,6 +419,59 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
                  "a blur mixes nodes whose errors are correlated, and the nodes' own errors do "
                  "not tell how"));
   return result;
+}
+
+}  // namespace
+
+std::string to_text(const Shard& shard) {
+  return std::to_string(shard.index) + "/" + std::to_string(shard.count);
+}
+
+NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
+                       const std::function<void(const Progress&)>& report, const Course& course) {
+  // Shards agree on what all the scans decide, the grids; then each looks at its own.
+  const std::vector<GridOfMethod> grids = choose_grids(listing, request);
+  const ScanListing own = scans_of(course.shard, listing);
+  RunSums sums = empty_sums(listing, request, grids);
+  std::int64_t resumed = 0;
+  if (std::optional<RunSums> found = read_checkpoint(course.checkpoint, request, course.shard, own))
+    if (add_up(*found, sums)) {
+      sums = std::move(*found);
+      resumed = static_cast<std::int64_t>(sums.scans.size());
+    }
+  Estimators estimators = make_estimators(request, grids);
+  if (request.directions)
+    estimators.directions = std::make_unique<KirchhoffScans>(
+        request.directions->kirchhoff, choose_directions(listing, request), DiskGrid{request.size, 1});
+  gather(own, request, estimators, report, course, sums);
+
+  std::shared_ptr<ShardSums> shard;
+  if (course.shard.count > 1) shard = std::make_shared<ShardSums>(ShardSums{request, course.shard, sums});
+  NdfResult result = finish(std::move(sums), request, [&](NdfResult& unfinished) {
+    if (!request.spectrum) return;
+    const auto total = static_cast<std::int64_t>(own.scans.size());
+    SpectrumOutcome outcome = kirchhoff_spectrum(
+        own, request.prepare, spectrum_grid(own, request), *request.spectrum,
+        [&](std::size_t k) { return !unfinished.scans[k].failure; },
+        [&](std::size_t k) {
+          report({static_cast<std::int64_t>(k) + 1, total, own.scans[k].source});
+        });
+    unfinished.spectrum = std::move(outcome.spectrum);
+    for (const SpectrumRefusal& refusal : outcome.refusals)
+      if (request.unfit == NdfRequest::Unfit::Fail) unfinished.scans[refusal.scan].failure = refusal.reason;
+    unfinished.plan.insert(unfinished.plan.end(), outcome.plan.begin(), outcome.plan.end());
+  });
+  result.resumed = resumed;
+  result.shard = std::move(shard);
+  return result;
+}
+
+NdfResult ndf_of_shards(std::vector<ShardSums> shards) {
+  ShardSums all = join(std::move(shards));
+  const PitchGroups pitches = pitches_of(all.sums.scans);
+  if (pitches.mixed() && all.request.pitches == NdfRequest::Pitches::MustAgree)
+    refuse_mixed(pitches, all.sums.scans);
+  return finish(std::move(all.sums), all.request, [](NdfResult&) {});
 }
 
 }  // namespace micro

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
@@ -49,6 +52,17 @@ struct NdfRequest {
   int thumbnails = 0;  ///< pictures of the first so many scans
 };
 
+/// Every `count`-th scan of the listing, beginning with the `index`-th, 1 ≤ index ≤ count.
+struct Shard {
+  int index = 1, count = 1;
+  bool operator==(const Shard&) const = default;
+};
+
+/// "2/4".
+std::string to_text(const Shard& shard);
+
+struct ShardSums;
+
 struct NdfResult {
   std::vector<ScanRecord> scans;  ///< in the order of the listing
   std::vector<NdfOfScans> ndfs;
@@ -57,6 +71,8 @@ struct NdfResult {
   std::optional<SpectrumOfScans> spectrum;
   std::vector<Picture> thumbnails;
   Plan plan;
+  std::int64_t resumed = 0;          ///< scans that an earlier run's checkpoint already held
+  std::shared_ptr<ShardSums> shard;  ///< what merge needs, of one shard of several
 
   /// Whether there is no normal distribution in it.
   bool empty() const { return ndfs.empty() && !directions && !spectrum; }
@@ -68,11 +84,32 @@ struct Progress {
   const std::string& source;
 };
 
+/// How a run is carried out; nothing of it changes the result.
+struct Course {
+  Shard shard = {};                       ///< of several that are merged later
+  std::filesystem::path checkpoint = {};  ///< file to keep unfinished work in; empty: none
+  double seconds_between = 10;            ///< checkpoints; a slow disk's come more rarely
+  std::function<bool()> interrupted = [] { return false; };
+};
+
+/// A run that was asked to stop: what it did is in its checkpoint.
+class Interrupted : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// The main recipe [Dong15 §4, §5]: reads, levels and measures each scan, estimates its normal distributions,
 /// and averages them weighted by projected area. A scan that fails is recorded and the others go on. The
 /// result is the same for any number of threads. Throws MixedPitches, naming the groups, if the scans'
 /// pitches differ by more than 1 % and may not: nothing is computed once the second pitch is seen.
+///
+/// With a checkpoint the sums are written aside now and then, and read back if they are of the same request
+/// and of files that have not changed: the result is that of an undisturbed run. The caller removes it when
+/// the result is safe. Throws Interrupted when it is asked to stop.
 NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
-                       const std::function<void(const Progress&)>& report);
+                       const std::function<void(const Progress&)>& report, const Course& course = {});
+
+/// What one run over all scans would have given, from the sums of its shards.
+NdfResult ndf_of_shards(std::vector<ShardSums> shards);
 
 }  // namespace micro

@@ -20,6 +20,11 @@ std::string counted(std::int64_t n, const std::string& what) {
   return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
 
+void add(Refusals& refusals, const Refusals& more) {
+  for (const auto& [reason, scans] : more)
+    refusals[reason] += scans;
+}
+
 std::string to_text(const Refusals& refusals) {
   std::string text;
   for (const auto& [reason, scans] : refusals)

@@ -28,6 +28,9 @@ std::string counted(std::int64_t n, const std::string& what);
 /// Scans that something does not apply to, by the reason why.
 using Refusals = std::map<std::string, std::int64_t>;
 
+/// Adds one count to another, reason by reason.
+void add(Refusals& refusals, const Refusals& more);
+
 /// "2 scans left out: …; 1 scan left out: …", or nothing.
 std::string to_text(const Refusals& refusals);
 

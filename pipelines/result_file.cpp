@@ -4,6 +4,7 @@
 #include "io/hdf5_writer.h"
 #include "io/microbrdf_hdf5.h"
 #include "pipelines/origin.h"
+#include "pipelines/run_sums.h"
 #include "pipelines/spectrum_file.h"
 #include "pipelines/version.h"
 
@@ -100,6 +101,16 @@ void write_ndf(Hdf5Writer& file, const NdfOfScans& ndf) {
   if (ndf.signature) set("signature", std::string_view(*ndf.signature));
 }
 
+/// The sums themselves: microbrdf merge joins them.
+void write_shard(Hdf5Writer& file, const ShardSums& shard) {
+  constexpr int kDeflate = 1;
+  const std::vector<std::uint8_t> bytes = to_bytes(shard);
+  file.create_group("/shard");
+  file.write<std::uint8_t>("/shard/state", bytes, {bytes.size()}, kDeflate);
+  file.set_attribute("/shard", "index", shard.shard.index);
+  file.set_attribute("/shard", "count", shard.shard.count);
+}
+
 }  // namespace
 
 void write_result(const std::filesystem::path& path, const NdfResult& result, const std::string& command) {
@@ -112,6 +123,7 @@ void write_result(const std::filesystem::path& path, const NdfResult& result, co
   if (result.fits) write_fits(file, *result.fits);
   if (result.spectrum) write_spectrum(file, *result.spectrum);
   if (result.directions) write_directions(file, *result.directions);
+  if (result.shard) write_shard(file, *result.shard);
   file.write_text("/plan", to_json(result.plan));
   file.finish();
 }

@@ -11,7 +11,7 @@ declare -A packages=(
     libcli11-dev nlohmann-json3-dev"
   [test]="libgtest-dev libboost-dev python3 python3-h5py python3-matplotlib"
   [heavy]="clang-14 libclang-rt-14-dev libomp-14-dev clang-format-14 clang-tidy-14 libbenchmark-dev
-    libgwyddion20-dev"
+    libgwyddion20-dev slurm-wlm munge"
 )
 
 say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }

@@ -25,6 +25,7 @@ Run add_ndf(CLI::App& app);
 Run add_fit(CLI::App& app);
 Run add_brdf(CLI::App& app);
 Run add_run(CLI::App& app);
+Run add_merge(CLI::App& app);
 Run add_texture(CLI::App& app);
 Run add_study(CLI::App& app);
 Run add_wave_study(CLI::App& app);       ///< of `study`

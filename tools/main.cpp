@@ -35,6 +35,7 @@ constexpr std::array kCommands = {
     Command{"convert", "Write a scan in another format", micro::tools::add_convert},
     Command{"synth", "Make a synthetic surface", micro::tools::add_synth},
     Command{"ndf", "Normal distributions of scans, averaged, in one HDF5 file", micro::tools::add_ndf},
+    Command{"merge", "Join the results of the shards of one run", micro::tools::add_merge},
     Command{"fit", "Ellipsoid and Beckmann fits of every normal distribution in a file",
             micro::tools::add_fit},
     Command{"texture", "Ellipsoids of texels, and large textures made like them", micro::tools::add_texture},

@@ -3,6 +3,7 @@
 #include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
+#include "tools/course_options.h"
 #include "tools/listing_output.h"
 #include "tools/ndf_options.h"
 #include "tools/scan_output.h"
@@ -13,6 +14,7 @@ namespace {
 struct Options {
   CommonOptions common;
   NdfOptions ndf;
+  CourseOptions course;
   std::vector<std::string> scans;
   std::string output;
   std::vector<std::string> methods = {"filtered"};
@@ -25,8 +27,12 @@ int run(const Options& options, const CLI::App& app) {
   const ScanListing listing = list_scans({options.scans.begin(), options.scans.end()}, options.output);
   require_scans(listing, options.scans);
   const OutputLock lock = OutputLock::of_file(options.output);
-  const NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
-  if (!result.empty()) write_result(options.output, result, command_line_of(app));
+  const Course course = make_course(options.course, request, options.output + ".checkpoint");
+  const NdfResult result = ndf_of_scans(listing, request, progress_line(options.common), course);
+  note_resumed(result);
+  if (!result.empty() || result.shard) write_result(options.output, result, command_line_of(app));
+  std::error_code ignored;
+  std::filesystem::remove(course.checkpoint, ignored);
   return conclude(result, listing, options.common, options.output);
 }
 
@@ -41,6 +47,7 @@ Run add_ndf(CLI::App& app) {
       ->allow_extra_args(false)
       ->capture_default_str();
   add_ndf_options(app, options->ndf);
+  add_course_options(app, options->course);
   add_progress(app, options->common);
   add_common_options(
       app, options->common,

@@ -6,6 +6,7 @@
 #include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
+#include "tools/course_options.h"
 #include "tools/listing_output.h"
 #include "tools/ndf_options.h"
 #include "tools/scan_output.h"
@@ -18,6 +19,7 @@ constexpr std::array kStages = {"naive", "filtered", "kirchhoff", "fit", "statis
 struct Options {
   CommonOptions common;
   NdfOptions ndf;
+  CourseOptions course;
   std::string directory, output;
   std::vector<std::string> without;
 };
@@ -61,10 +63,12 @@ int run(const Options& options, const CLI::App& app) {
   const ScanListing listing = list_scans({options.directory}, output);
   require_scans(listing, {options.directory});
   const OutputLock lock(output);
-  NdfResult result = ndf_of_scans(listing, request, progress_line(options.common));
+  const Course course = make_course(options.course, request, output / "checkpoint.h5");
+  NdfResult result = ndf_of_scans(listing, request, progress_line(options.common), course);
+  note_resumed(result);
   for (const std::string& stage : options.without)
     if (stage != "statistics") result.plan.push_back({Stage::Outcome::LeftOut, stage, "--without"});
-  if (!result.empty()) {
+  if (!result.empty() || result.shard) {
     remove_outputs(output);
     const std::vector<NdfTable> tables = wants("fit") ? tables_of(result) : std::vector<NdfTable>();
     if (wants("fit")) {
@@ -86,6 +90,8 @@ int run(const Options& options, const CLI::App& app) {
     }
     write_result(output / "result.h5", result, command_line_of(app));
   }
+  std::error_code ignored;
+  std::filesystem::remove(course.checkpoint, ignored);
   return conclude(result, listing, options.common, output / "result.h5");
 }
 
@@ -101,6 +107,7 @@ Run add_run(CLI::App& app) {
       ->allow_extra_args(false)
       ->check(CLI::IsMember(std::vector<std::string>(kStages.begin(), kStages.end())));
   add_ndf_options(app, options->ndf);
+  add_course_options(app, options->course);
   add_progress(app, options->common);
   add_common_options(app, options->common, "microbrdf run scans/ -o out --without naive");
   return [options, &app] { return run(*options, app); };

@@ -22,6 +22,10 @@ struct DiskGrid {
     const double x = coordinate(i), y = coordinate(j);
     return 1 - x * x - y * y;
   }
+  template <typename Archive>
+  void persist(Archive& archive) {
+    archive(size, extent);
+  }
   bool operator==(const DiskGrid&) const = default;
 };
 

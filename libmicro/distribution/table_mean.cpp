@@ -11,4 +11,9 @@ void TableMean::add(const DiskTable& table, double weight) {
   mean_.add(table.density, weight);
 }
 
+void TableMean::merge(const TableMean& other) {
+  if (!(other.grid_ == grid_)) throw InputError("tables of different size or extent have no common mean");
+  mean_.merge(other.mean_);
+}
+
 }  // namespace micro

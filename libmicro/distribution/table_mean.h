@@ -23,6 +23,14 @@ class TableMean {
   DiskTable mean() const { return {grid_, mean_.mean()}; }                               ///< 1/sr
   std::optional<Grid<double>> standard_error() const { return mean_.standard_error(); }  ///< 1/sr
 
+  /// Adds what another sum holds. Throws InputError if it stands on another grid.
+  void merge(const TableMean& other);
+
+  template <typename Archive>
+  void persist(Archive& archive) {
+    archive(grid_, mean_);
+  }
+
  private:
   DiskGrid grid_;
   WeightedMean mean_;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/error.h"
+
 namespace micro {
 
 WeightedMean::WeightedMean(Eigen::Index rows, Eigen::Index cols) {
@@ -25,6 +27,17 @@ void WeightedMean::add(const Grid<double>& values, double weight) {
     sum_weight_.data()[k] += weight * area_d;
     sum_square_.data()[k] += area_d * area_d;
   }
+}
+
+void WeightedMean::merge(const WeightedMean& other) {
+  if (sum_.rows() != other.sum_.rows() || sum_.cols() != other.sum_.cols())
+    throw InputError("sums of arrays of different shape do not add up");
+  count_ += other.count_;
+  weight_ += other.weight_;
+  weight2_ += other.weight2_;
+  sum_ += other.sum_;
+  sum_weight_ += other.sum_weight_;
+  sum_square_ += other.sum_square_;
 }
 
 Grid<double> WeightedMean::mean() const {

@@ -16,6 +16,10 @@ class WeightedMean {
   /// Adds one scan's array with its weight, A_perp in µm². A weight of zero (no surface) is counted nowhere.
   void add(const Grid<double>& values, double weight);
 
+  /// Adds what another sum holds, as if its arrays had been added here. Throws InputError if they have
+  /// another shape.
+  void merge(const WeightedMean& other);
+
   std::int64_t count() const { return count_; }
   double weight() const { return weight_; }  ///< ΣA_perp, µm²
 
@@ -24,6 +28,11 @@ class WeightedMean {
 
   /// Standard error of D̄ over n scans: √(n/(n−1)·Σ A²(D − D̄)²) / ΣA. Nothing if there are fewer than two.
   std::optional<Grid<double>> standard_error() const;
+
+  template <typename Archive>
+  void persist(Archive& archive) {
+    archive(count_, weight_, weight2_, sum_, sum_weight_, sum_square_);
+  }
 
  private:
   std::int64_t count_ = 0;

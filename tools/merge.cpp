@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "core/archive.h"
+#include "core/error.h"
+#include "io/hdf5_reader.h"
+#include "pipelines/output_lock.h"
+#include "pipelines/result_file.h"
+#include "pipelines/run_sums.h"
+#include "tools/commands.h"
+#include "tools/ndf_options.h"
+#include "tools/scan_output.h"
+
+namespace micro::tools {
+namespace {
+
+struct Options {
+  CommonOptions common;
+  std::vector<std::string> shards;
+  std::string output;
+};
+
+/// One file of a shard.
+struct ShardFile {
+  ShardSums sums;
+  bool fitted;
+  nlohmann::json plan;
+};
+
+ShardFile read_shard(const std::filesystem::path& path) {
+  const Hdf5Reader file(path);
+  file.require_complete();
+  if (!file.contains("/shard/state")) throw FileError(path, "is no shard: it was not made with --shard");
+  try {
+    return {shard_from(file.read<std::uint8_t>("/shard/state")), file.contains("/fit"),
+            nlohmann::json::parse(file.read_text("/plan"))};
+  } catch (const BrokenArchive&) {
+    throw FileError(path, "holds the sums of another version of microbrdf");
+  } catch (const nlohmann::json::exception&) {
+    throw FileError(path, "holds a plan that is no JSON");
+  }
+}
+
+/// Stages that the shards had beyond the sums: what was drawn or left out.
+void add_other_stages(Plan& plan, const nlohmann::json& of_shard) {
+  for (const auto& stage : of_shard) {
+    const std::string name = stage.at("stage");
+    if (std::none_of(plan.begin(), plan.end(), [&](const Stage& known) { return known.name == name; }))
+      plan.push_back({stage.at("ran").get<bool>() ? Stage::Outcome::Ran : Stage::Outcome::LeftOut, name,
+                      stage.at("reason")});
+  }
+}
+
+int run(const Options& options, const CLI::App& app) {
+  std::vector<ShardSums> shards;
+  bool fitted = false;
+  nlohmann::json plan;
+  for (const std::string& path : options.shards) {
+    ShardFile file = read_shard(path);
+    shards.push_back(std::move(file.sums));
+    fitted = fitted || file.fitted;
+    if (plan.size() < file.plan.size()) plan = std::move(file.plan);
+  }
+  const OutputLock lock = OutputLock::of_file(options.output);
+  NdfResult result = ndf_of_shards(std::move(shards));
+  if (fitted) {
+    std::vector<NdfTable> tables;
+    for (const NdfOfScans& ndf : result.ndfs)
+      tables.push_back({ndf.method.name, ndf.density});
+    result.fits = fit_ndfs(tables, Weighting::SolidAngle);
+    result.plan.push_back(stage_of(*result.fits));
+  }
+  add_other_stages(result.plan, plan);
+  if (!result.empty()) write_result(options.output, result, command_line_of(app));
+  return conclude(result, {}, options.common, options.output);
+}
+
+}  // namespace
+
+Run add_merge(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  app.add_option("SHARD", options->shards, "Results of all shards of one run (--shard i/n)")->required();
+  app.add_option("-o,--output", options->output, "HDF5 file to write")->required();
+  add_common_options(app, options->common, "microbrdf merge out1/result.h5 out2/result.h5 -o result.h5");
+  return [options, &app] { return run(*options, app); };
+}
+
+}  // namespace micro::tools
