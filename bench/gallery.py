@@ -8,6 +8,21 @@ import sys
 METHODS = ["naive", "filtered", "kirchhoff"]
 FIGURES = {("anisotropic", "filtered"), ("brushed", "kirchhoff"), ("newview_milled.asc", "filtered")}
 
+TEXTURES = """\
+## Textures
+
+One command each, `microbrdf texture strip.dat --texel 15um --size 256`: texels of a strip 1.2 mm long above, the texture made
+like them below ([texture.md](texture.md)); slope coordinates on the exemplar's mean ± 2.5 standard deviations.
+
+**brushed** (scratches 300 µm long, along y)
+
+![brushed texture](gallery/texture_brushed.png)
+
+**isotropic** (multiscale)
+
+![isotropic texture](gallery/texture_isotropic.png)
+""".splitlines()
+
 
 def number(value):
     return "–" if value is None else f"{value:.3g}"
@@ -73,7 +88,7 @@ def main(results, docs):
             text += [f"- {name}: {said[0].split(': ', 2)[-1] if said else 'nothing'}" for name, said in failed]
             text += [""]
     text += ["## Figures", "", "Table, ellipsoid and difference around the lobe; slices through the peak, log scale.", "",
-             *figures]
+             *figures, *TEXTURES]
     (docs / "gallery.md").write_text("\n".join(text).rstrip() + "\n")
 
 

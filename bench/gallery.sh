@@ -35,4 +35,14 @@ made multiscale multiscale
 made brushed brushed
 for name in gaussian anisotropic multiscale brushed; do fitted made "$name" "$work/scans/$name"; done
 for scan in "${scans[@]}"; do fitted real "$(basename "$scan")" "$scan"; done
+textured() {  # textured NAME KIND OPTION...: a strip across, cut into texels, and the texture made from it
+  local name=$1
+  shift
+  "$microbrdf" synth "$@" --rows 960 --cols 4800 --pitch 0.25um -o "$work/$name.dat" >/dev/null
+  "$microbrdf" texture "$work/$name.dat" -o "$work/$name" --texel 15um --size 256 >/dev/null
+  cp "$work/$name/texture.png" "docs/gallery/texture_$name.png"
+}
+mkdir -p docs/gallery
+textured brushed brushed --length 300um --width 3um --orientation 90deg --rms 0.2um --coverage 4 --spread 0.05
+textured isotropic multiscale --tau-max 60um
 /usr/bin/python3 bench/gallery.py "$work/out" docs

@@ -143,6 +143,10 @@ int run(const Options& options, const CLI::App& app) {
   }
   if (texels.count() == 0) throw InputError("no scan gave a texel");
   const std::filesystem::path result = output / "texture.h5";
+  // What an earlier run left would contradict this one's result.
+  std::error_code ignored;
+  for (const char* name : {"texture.h5", "texture.exr", "texture.png"})
+    std::filesystem::remove(output / name, ignored);
   Hdf5Writer file(result);
   write_origin(file, origin_of(command_line_of(app)));
   write_scans(file, texels.scans);

@@ -75,13 +75,16 @@ std::vector<float> AxisSpectrum::amplitudes(std::size_t channel, Eigen::Index n)
   FftVector<std::complex<double>> buffer(static_cast<std::size_t>(n));
   Eigen::Index shortest = strips[channel].front().size();
   for (const Eigen::ArrayXd& strip : strips[channel]) {
-    // Folded to n texels, a strip has its own spectrum at the frequencies k/n, however long it is.
-    std::fill(buffer.begin(), buffer.end(), 0);
-    for (Eigen::Index k = 0; k < strip.size(); ++k)
-      buffer[static_cast<std::size_t>(k % n)] += strip[k];
-    transform(buffer.data());
-    for (std::size_t k = 0; k < power.size(); ++k)
-      power[k] += std::norm(buffer[k]);
+    // Strips longer than the texture go in segments [Bartlett48]: their powers average out what a single
+    // periodogram scatters.
+    for (Eigen::Index begin = 0; begin < strip.size(); begin += n) {
+      std::fill(buffer.begin(), buffer.end(), 0);
+      for (Eigen::Index k = begin; k < std::min(begin + n, strip.size()); ++k)
+        buffer[static_cast<std::size_t>(k - begin)] = strip[k];
+      transform(buffer.data());
+      for (std::size_t k = 0; k < power.size(); ++k)
+        power[k] += std::norm(buffer[k]);
+    }
     shortest = std::min(shortest, strip.size());
   }
   if (*std::max_element(power.begin(), power.end()) == 0) {  // constant along this axis
