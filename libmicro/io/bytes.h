@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "core/error.h"
@@ -38,6 +39,9 @@ class FileBytes {
   std::size_t size_ = 0;
   std::unique_ptr<std::byte[]> data_;
 };
+
+/// Words of a file, in quotation marks, for a sentence: what does not print is a question mark.
+std::string quoted(std::string_view words);
 
 /// The T (an integer or float of 1, 2, 4 or 8 bytes) that stands at `at` in the given byte order.
 template <typename T>

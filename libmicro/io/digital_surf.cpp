@@ -58,8 +58,7 @@ double micrometres(const FileBytes& file, Offset offset, const char* axis) {
                                 Unit{"um", 1},        Unit{"nm", 1e-3}};
   for (const Unit& candidate : units)
     if (candidate.name == unit) return candidate.micrometres;
-  throw FileError(file.path(),
-                  "its unit along " + std::string(axis) + ", \"" + std::string(unit) + "\", is unknown");
+  throw FileError(file.path(), "its unit along " + std::string(axis) + ", " + quoted(unit) + ", is unknown");
 }
 
 /// The points of a compressed file: from `at` on stand the number of streams, the bytes of each unpacked and

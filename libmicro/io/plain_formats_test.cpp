@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <zlib.h>
 
 #include <array>
 #include <cmath>
@@ -160,30 +159,10 @@ TEST_F(PlainFormats, DigitalSurfInEitherByteOrderAndWidth) {
         }
 }
 
-/// The same file with its points in two compressed streams.
-std::vector<std::byte> compressed(const std::vector<std::byte>& plain, std::size_t point_bytes) {
-  std::vector<std::byte> bytes(plain.begin(), plain.end() - static_cast<std::ptrdiff_t>(point_bytes));
-  std::memcpy(bytes.data(), "DSCOMPRESSED", 12);
-  const std::size_t directory = bytes.size(), half = point_bytes / 2;
-  bytes.resize(directory + 4 + 2 * 8);
-  put<std::uint32_t>(bytes, directory, 2, false);
-  for (std::size_t stream = 0; stream < 2; ++stream) {
-    std::array<Bytef, 200> packed;
-    uLongf size = packed.size();
-    compress(packed.data(), &size,
-             reinterpret_cast<const Bytef*>(plain.data() + plain.size() - point_bytes + stream * half), half);
-    put(bytes, directory + 4 + 8 * stream, static_cast<std::uint32_t>(half), false);
-    put(bytes, directory + 8 + 8 * stream, static_cast<std::uint32_t>(size), false);
-    const auto* begin = reinterpret_cast<const std::byte*>(packed.data());
-    bytes.insert(bytes.end(), begin, begin + size);
-  }
-  return bytes;
-}
-
 TEST_F(PlainFormats, CompressedDigitalSurfIsThePlainOne) {
   for (const int bits : {16, 32}) {
     const auto plain = small_surf({.bits = bits});
-    const auto packed = compressed(plain, static_cast<std::size_t>(6 * bits / 8));
+    const auto packed = compressed_surf(plain, static_cast<std::size_t>(6 * bits / 8));
     write_bytes(path, plain);
     const HeightField expected = read_scan(path).surface;
     write_bytes(path, packed);

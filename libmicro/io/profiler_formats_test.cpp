@@ -146,6 +146,20 @@ TEST_F(ProfilerFormats, SensofarPlu) {
   EXPECT_EQ(recognise_scan(path), nullptr);
 }
 
+TEST_F(ProfilerFormats, GwyddionSimpleField) {
+  const std::string gsf = small_gsf();
+  expect_small_scan(bytes_of(gsf), "gsf");
+  expect_refused(bytes_of(gsf.substr(0, gsf.size() - 1)), "cut");
+  expect_refused(bytes_of(gsf.substr(0, 40)), "cut in its header");
+  expect_refused(bytes_of(replaced(gsf, "XRes = 3", "XRes = 0")), "no heights");
+  expect_refused(bytes_of(replaced(gsf, "XRes = 3", "XRes = x")), "XRes is no number");
+  expect_refused(bytes_of(replaced(gsf, "XRes = 3", "XRes = 8")), "cut");
+  expect_refused(bytes_of(replaced(gsf, "ZUnits =  m", "ZUnits =  A")), "not in metres");
+  expect_refused(bytes_of(replaced(gsf, "XYUnits = m", "XYUnits = s")), "lateral unit");
+  expect_refused(bytes_of(replaced(gsf, "XYUnits = m", "XYUnits =  ")), "--pitch");
+  expect_refused(bytes_of(replaced(gsf, "XReal=7.5e-07", "XReal=-7.5e-7")), "lateral scale");
+}
+
 TEST_F(ProfilerFormats, X3pOfEveryTypeAndEveryWayToBeMissing) {
   for (const char type : {'I', 'L', 'F', 'D'})
     for (const char* inside : {"", "some name/", "a/b/"})

@@ -12,6 +12,7 @@
 #include "io/child_process.h"
 #include "io/digital_surf.h"
 #include "io/exr_heights.h"
+#include "io/gsf.h"
 #include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
 #include "io/sdf.h"
@@ -27,9 +28,9 @@ namespace micro {
 namespace {
 
 /// A new format is a file beside these and a line here. Plain text has no signature, so it comes last.
-constexpr std::array kFormats = {kZygoDat,       kZygoAsc,         kZygoXyz,  kDigitalSurf, kSdf,
-                                 kWykoOpd,       kSensofarPlu,     kNpy,      kX3p,         kExrHeights,
-                                 kMicrobrdfHdf5, kMicrobrdfResult, kZygoDatx, kTextMatrix};
+constexpr std::array kFormats = {
+    kZygoDat, kZygoAsc,     kZygoXyz,       kDigitalSurf,     kSdf,      kWykoOpd,   kGsf, kX3p, kExrHeights,
+    kNpy,     kSensofarPlu, kMicrobrdfHdf5, kMicrobrdfResult, kZygoDatx, kTextMatrix};
 
 /// Whatever the user says about the pitch may fill a gap in a file; it may not contradict one.
 void check_pitch_agrees(const std::filesystem::path& path, const HeightField& surface,

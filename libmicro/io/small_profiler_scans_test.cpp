@@ -119,6 +119,19 @@ std::vector<std::byte> small_plu() {
   return bytes;
 }
 
+std::string small_gsf() {
+  std::string text =
+      "Gwyddion Simple Field 1.0\nXRes = 3\nYRes = 2\nXReal=7.5e-07\nYReal = 0.000001\nXYUnits = m\n"
+      "ZUnits =  m\nTitle = XRes = 9\n";
+  text.append(4 - text.size() % 4, '\0');
+  for (int k = 1; k <= 6; ++k) {
+    const auto point =
+        bytes_of(k == 6 ? std::numeric_limits<float>::quiet_NaN() : 1e-6F * static_cast<float>(k));
+    text.append(reinterpret_cast<const char*>(point.data()), point.size());
+  }
+  return text;
+}
+
 std::string x3p_main(const X3pFile& file) {
   const bool integer = file.type == 'I' || file.type == 'L';
   std::string text =

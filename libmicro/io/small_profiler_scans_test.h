@@ -27,6 +27,9 @@ std::vector<std::byte> small_opd(const Opd& opd);
 
 std::vector<std::byte> small_plu();
 
+/// Gwyddion Simple Field.
+std::string small_gsf();
+
 /// X3P, its members stored as they are, without checksums unless `md5` states one for the points.
 struct X3pFile {
   char type = 'D';            ///< I, L: raw is twice the height; F, D: metres

@@ -1,6 +1,7 @@
 #include "io/small_scans_test.h"
 
 #include <hdf5.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -234,6 +235,25 @@ std::vector<std::byte> small_surf(const Surf& surf) {
       put(bytes, at, static_cast<std::int16_t>(raw[k]), big);
     else
       put<std::int32_t>(bytes, at, raw[k], big);
+  }
+  return bytes;
+}
+
+std::vector<std::byte> compressed_surf(const std::vector<std::byte>& plain, std::size_t point_bytes) {
+  std::vector<std::byte> bytes(plain.begin(), plain.end() - static_cast<std::ptrdiff_t>(point_bytes));
+  std::memcpy(bytes.data(), "DSCOMPRESSED", 12);
+  const std::size_t directory = bytes.size(), half = point_bytes / 2;
+  bytes.resize(directory + 4 + 2 * 8);
+  put<std::uint32_t>(bytes, directory, 2, false);
+  for (std::size_t stream = 0; stream < 2; ++stream) {
+    std::array<Bytef, 200> packed;
+    uLongf size = packed.size();
+    compress(packed.data(), &size,
+             reinterpret_cast<const Bytef*>(plain.data() + plain.size() - point_bytes + stream * half), half);
+    put(bytes, directory + 4 + 8 * stream, static_cast<std::uint32_t>(half), false);
+    put(bytes, directory + 8 + 8 * stream, static_cast<std::uint32_t>(size), false);
+    const auto* begin = reinterpret_cast<const std::byte*>(packed.data());
+    bytes.insert(bytes.end(), begin, begin + size);
   }
   return bytes;
 }

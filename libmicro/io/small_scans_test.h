@@ -63,5 +63,7 @@ struct Surf {
   std::string dz_unit = "nm";
 };
 std::vector<std::byte> small_surf(const Surf& surf);
+/// The same file, in PC byte order, with its points in two compressed streams.
+std::vector<std::byte> compressed_surf(const std::vector<std::byte>& plain, std::size_t point_bytes);
 
 }  // namespace micro

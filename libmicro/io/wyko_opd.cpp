@@ -50,7 +50,7 @@ std::map<string_view, Block> read_directory(const FileBytes& file) {
     if (size <= 0) continue;
     const Block block = {number<std::int16_t>(file, record + 16), begin, static_cast<std::uint64_t>(size)};
     if (block.size > file.size() - begin)
-      throw FileError(file.path(), "is cut: its block \"" + std::string(name) + "\" is longer than the file");
+      throw FileError(file.path(), "is cut: its block " + quoted(name) + " is longer than the file");
     blocks.emplace(name, block);
     begin += block.size;
   }

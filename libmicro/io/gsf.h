@@ -1,0 +1,15 @@
+#pragma once
+
+#include "io/scan.h"
+
+namespace micro {
+
+bool is_gsf(const FileHead& head);
+HeightField read_gsf(const std::filesystem::path& path, const ReadOptions& options);
+
+/// Gwyddion Simple Field 1.0: a text header that NULs fill up to a multiple of four bytes, then 32-bit floats
+/// in metres, the top row first; missing is NaN.
+inline constexpr ScanFormat kGsf = {"gsf", "Gwyddion Simple Field .gsf", ScanFormat::Listed::WhenFound,
+                                    is_gsf, read_gsf};
+
+}  // namespace micro

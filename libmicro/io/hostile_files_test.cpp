@@ -1,0 +1,161 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <random>
+#include <set>
+#include <string>
+
+#include "core/error.h"
+#include "io/bytes.h"
+#include "io/child_process.h"
+#include "io/scan.h"
+#include "io/small_scans_of_every_format_test.h"
+#include "io/small_scans_test.h"
+#include "testing/temporary_folder.h"
+
+// Any bytes are a scan or a FileError, nothing else.
+namespace micro {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<std::byte>;
+
+/// Reads whatever is there with one format: a scan or a refusal that names the file are both fine.
+void read_or_refuse(const ScanFormat& format, const fs::path& path) {
+  const FileBytes head(path, kHeadBytes);
+  if (!format.recognise({.path = path, .size = head.file_size(), .bytes = head.bytes()})) return;
+  try {
+    const HeightField surface = format.read(path, {.pitch_x = 0.25, .pitch_y = {}});
+    EXPECT_GT(surface.z.size(), 0);
+    EXPECT_FALSE(surface.z.isInf().any());
+    EXPECT_TRUE(surface.dx > 0 && surface.dy > 0);
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.file(), path);
+    EXPECT_EQ(error.fact().find('\n'), std::string::npos) << error.fact();
+  }
+}
+
+/// The same through read_scan, which knows the formats and has the child process.
+void read_scan_or_refuse(const fs::path& path) {
+  try {
+    EXPECT_GT(read_scan(path, {.pitch_x = 0.25, .pitch_y = {}}).surface.z.size(), 0);
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.file(), path);
+  }
+}
+
+const ScanFormat& format_named(const std::string& name) {
+  return *std::find_if(scan_formats().begin(), scan_formats().end(),
+                       [&](const ScanFormat& format) { return format.name == name; });
+}
+
+std::size_t below(std::mt19937& random, std::size_t limit) {
+  return random() % limit;
+}
+
+/// One to four changes: bytes, 32-bit numbers of the kind that headers lie with, digits, cuts, repetitions.
+Bytes mutated(Bytes bytes, std::mt19937& random) {
+  constexpr std::array<std::uint32_t, 8> lies = {0,          1,          0x7FFFFFFF, 0x80000000,
+                                                 0xFFFFFFFF, 0x7FC00000, 0x7F800000, 0xFF7FFFFF};
+  for (std::size_t changes = 1 + below(random, 4); changes > 0 && !bytes.empty(); --changes) {
+    const std::size_t at = below(random, bytes.size());
+    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+    const std::size_t length = std::min(bytes.size() - at, 1 + below(random, 16));
+    switch (below(random, 6)) {
+      case 0:
+      case 1:
+        *place = static_cast<std::byte>(random());
+        break;
+      case 2:
+        if (bytes.size() - at >= 4) put(bytes, at, lies[below(random, lies.size())], below(random, 2) == 0);
+        break;
+      case 3:
+        *place = static_cast<std::byte>("0123456789.-+eE#* \n"[below(random, 19)]);
+        break;
+      case 4:
+        bytes.resize(at);
+        break;
+      default: {
+        const Bytes again(place, place + static_cast<std::ptrdiff_t>(length));
+        bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(below(random, bytes.size() + 1)),
+                     again.begin(), again.end());
+      }
+    }
+  }
+  return bytes;
+}
+
+constexpr int kMutations = 1000;
+
+/// Mutation k of a format, the same on every machine.
+Bytes mutation(const std::vector<Bytes>& originals, int k) {
+  std::mt19937 random(static_cast<std::uint32_t>(k));
+  return mutated(originals[static_cast<std::size_t>(k) % originals.size()], random);
+}
+
+class HostileFiles : public ::testing::TestWithParam<const char*> {
+ protected:
+  /// Reads the mutations from `first` on in a child process, which tells in a file of its own where it is.
+  /// Returns the one that it died of, or kMutations.
+  int read_in_child(const std::vector<Bytes>& originals, int first) const {
+    const auto progress = folder.path() / "progress";
+    try {
+      ChildOutput told =
+          run_in_child(path, {.processor_seconds = 60, .seconds = 300}, [&](ChildOutput& output) {
+            for (int k = first; k < kMutations; ++k) {
+              write_text(progress, std::to_string(k));
+              write_bytes(path, mutation(originals, k));
+              read_or_refuse(format, path);
+            }
+            output.write_value(::testing::Test::HasFailure());
+          });
+      EXPECT_FALSE(told.read_value<bool>()) << "something was read that is neither a scan nor refused";
+      return kMutations;
+    } catch (const FileError&) {
+      const auto bytes = read_bytes(progress);
+      return std::stoi(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    }
+  }
+  TemporaryFolder folder;
+  fs::path path = folder.path() / "scan";
+  const ScanFormat& format = format_named(GetParam());
+};
+
+TEST_P(HostileFiles, AThousandMutationsAreReadOrRefused) {
+  const auto originals = small_scans_of_every_format(folder.path())[GetParam()];
+  ASSERT_FALSE(originals.empty());
+  if (format.container.empty()) {
+    for (int k = 0; k < kMutations; ++k) {
+      SCOPED_TRACE(k);
+      write_bytes(path, mutation(originals, k));
+      read_or_refuse(format, path);
+    }
+    return;
+  }
+  // A library may die of a file; then the program tells so, and goes on.
+  for (int k = 0; k < kMutations; ++k) {
+    k = read_in_child(originals, k);
+    if (k == kMutations) break;
+    write_bytes(path, mutation(originals, k));
+    EXPECT_THROW(read_scan(path, {.pitch_x = 0.25, .pitch_y = {}}), FileError) << k;
+  }
+  for (int k = 0; k < kMutations; k += kMutations / 10) {
+    SCOPED_TRACE(k);
+    write_bytes(path, mutation(originals, k));
+    read_scan_or_refuse(path);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, HostileFiles,
+                         ::testing::Values("zygo-dat", "zygo-asc", "zygo-xyz", "digital-surf", "sdf",
+                                           "wyko-opd", "sensofar-plu", "gsf", "npy", "text", "x3p", "exr",
+                                           "microbrdf-hdf5", "zygo-datx"),
+                         [](const auto& format) {
+                           std::string name = format.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace micro
