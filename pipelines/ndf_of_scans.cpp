@@ -1,7 +1,6 @@
 #include "pipelines/ndf_of_scans.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <memory>
 #include <new>
@@ -82,18 +81,39 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Est
   return outcome;
 }
 
-/// Only what it takes to say which pitch a scan has.
-ScanOutcome look_at_pitch(const ListedScan& scan, const NdfRequest& request) {
-  ScanOutcome outcome;
-  outcome.record.source = scan.source;
-  try {
-    const HeightField surface = read_scan(scan.path, request.prepare.read).surface;
-    outcome.record.dx = surface.dx;
-    outcome.record.dy = surface.dy;
-  } catch (...) {
-    outcome.record.failure = reason_of_failure();
-  }
-  return outcome;
+/// Refuses scans of different pitch, all of them by name, before anything is computed. Reading costs little
+/// beside an estimate; what cannot be read, or holds no point, fails when its turn comes.
+void require_one_pitch(const ScanListing& listing, const NdfRequest& request) {
+  if (request.pitches == NdfRequest::Pitches::MayDiffer || listing.scans.size() < 2) return;
+  struct Look {
+    double dx = 0, dy = 0;
+    std::optional<std::string> failure;
+  };
+  PitchGroups pitches;
+  std::vector<FailedScan> failed;
+  parallel_in_order(
+      static_cast<std::int64_t>(listing.scans.size()),
+      [&](std::int64_t k) {
+        Look look;
+        const std::filesystem::path& path = listing.scans[static_cast<std::size_t>(k)].path;
+        try {
+          const HeightField surface = read_scan(path, request.prepare.read).surface;
+          if (missing_count(surface) == surface.z.size()) throw FileError(path, "every point is missing");
+          look.dx = surface.dx;
+          look.dy = surface.dy;
+        } catch (...) {
+          look.failure = reason_of_failure();
+        }
+        return look;
+      },
+      [&](std::int64_t k, const Look& look) {
+        const std::string& source = listing.scans[static_cast<std::size_t>(k)].source;
+        if (look.failure)
+          failed.push_back({source, *look.failure});
+        else
+          pitches.add(look.dx, look.dy, source);
+      });
+  if (pitches.mixed()) throw MixedPitches(pitches, std::move(failed));
 }
 
 /// The larger pitch of the first scan that can be read, or of all of them where they may differ, µm.
@@ -288,18 +308,16 @@ void add_outcome(RunSums& sums, ScanOutcome outcome) {
   sums.scans.push_back(std::move(outcome.record));
 }
 
-PitchGroups pitches_of(const std::vector<ScanRecord>& scans) {
+/// Refuses scans of different pitch that came from different shards.
+void require_one_pitch(const std::vector<ScanRecord>& scans) {
   PitchGroups pitches;
-  for (const ScanRecord& scan : scans)
-    if (!scan.failure) pitches.add(scan.dx, scan.dy, scan.source);
-  return pitches;
-}
-
-[[noreturn]] void refuse_mixed(const PitchGroups& pitches, const std::vector<ScanRecord>& scans) {
   std::vector<FailedScan> failed;
   for (const ScanRecord& scan : scans)
-    if (scan.failure) failed.push_back({scan.source, *scan.failure});
-  throw MixedPitches(pitches, std::move(failed));
+    if (scan.failure)
+      failed.push_back({scan.source, *scan.failure});
+    else
+      pitches.add(scan.dx, scan.dy, scan.source);
+  if (pitches.mixed()) throw MixedPitches(pitches, std::move(failed));
 }
 
 /// Keeps a run's sums in its checkpoint, as often as a fifth of the time allows.
@@ -331,8 +349,6 @@ class CheckpointKeeper {
 /// Looks at the scans that the sums do not hold yet.
 void gather(const ScanListing& listing, const NdfRequest& request, const Estimators& estimators,
             const std::function<void(const Progress&)>& report, const Course& course, RunSums& sums) {
-  PitchGroups pitches = pitches_of(sums.scans);
-  std::atomic<bool> refused = false;  // by a second pitch: from then on only the groups' names are wanted
   CheckpointKeeper checkpoint(request, course);
   const auto total = static_cast<std::int64_t>(listing.scans.size()),
              first = static_cast<std::int64_t>(sums.scans.size());
@@ -340,20 +356,11 @@ void gather(const ScanListing& listing, const NdfRequest& request, const Estimat
       total - first,
       [&](std::int64_t k) {
         const ListedScan& scan = listing.scans[static_cast<std::size_t>(first + k)];
-        return refused ? look_at_pitch(scan, request)
-                       : look_at(scan, request, estimators, first + k < request.thumbnails);
+        return look_at(scan, request, estimators, first + k < request.thumbnails);
       },
       [&](std::int64_t k, ScanOutcome outcome) {
-        if (!outcome.record.failure) {
-          pitches.add(outcome.record.dx, outcome.record.dy, outcome.record.source);
-          refused = pitches.mixed() && request.pitches == NdfRequest::Pitches::MustAgree;
-        }
-        if (refused)
-          sums.scans.push_back(std::move(outcome.record));
-        else
-          add_outcome(sums, std::move(outcome));
+        add_outcome(sums, std::move(outcome));
         report({first + k + 1, total, sums.scans.back().source});
-        if (refused) return;
         if (course.interrupted()) {
           checkpoint.keep(sums);
           throw Interrupted("interrupted after " + std::to_string(first + k + 1) + " of " +
@@ -362,7 +369,6 @@ void gather(const ScanListing& listing, const NdfRequest& request, const Estimat
         }
         checkpoint.consider(sums);
       });
-  if (refused) refuse_mixed(pitches, sums.scans);
 }
 
 using AddSpectrum = std::function<void(NdfResult&)>;
@@ -429,9 +435,10 @@ std::string to_text(const Shard& shard) {
 
 NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
                        const std::function<void(const Progress&)>& report, const Course& course) {
+  const ScanListing own = scans_of(course.shard, listing);
+  require_one_pitch(own, request);
   // Shards agree on what all the scans decide, the grids; then each looks at its own.
   const std::vector<GridOfMethod> grids = choose_grids(listing, request);
-  const ScanListing own = scans_of(course.shard, listing);
   RunSums sums = empty_sums(listing, request, grids);
   std::int64_t resumed = 0;
   if (std::optional<RunSums> found = read_checkpoint(course.checkpoint, request, course.shard, own))
@@ -468,9 +475,7 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
 
 NdfResult ndf_of_shards(std::vector<ShardSums> shards) {
   ShardSums all = join(std::move(shards));
-  const PitchGroups pitches = pitches_of(all.sums.scans);
-  if (pitches.mixed() && all.request.pitches == NdfRequest::Pitches::MustAgree)
-    refuse_mixed(pitches, all.sums.scans);
+  if (all.request.pitches == NdfRequest::Pitches::MustAgree) require_one_pitch(all.sums.scans);
   return finish(std::move(all.sums), all.request, [](NdfResult&) {});
 }
 

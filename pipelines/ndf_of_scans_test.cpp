@@ -10,6 +10,7 @@
 #include "height/make_holes.h"
 #include "height/triangles.h"
 #include "io/hdf5_reader.h"
+#include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
 #include "io/zygo_dat.h"
 #include "kirchhoff/exact.h"
@@ -125,6 +126,10 @@ TEST_F(Scans, DifferentPitchesAreRefusedTogether) {
     EXPECT_EQ(error.failed()[0].source, "broken.dat");
     EXPECT_NE(error.failed()[1].message.find("0.3 × 0.3 µm"), std::string::npos);
   }
+  const ScanListing listing = list_scans({scans()});
+  int looked_at = 0;
+  EXPECT_THROW(ndf_of_scans(listing, request(), [&](const Progress&) { ++looked_at; }), MixedPitches);
+  EXPECT_EQ(looked_at, 0) << "the odd one is refused before anything is computed";
   fs::remove(scans() / "broken.dat");
   NdfRequest mixed = request();
   mixed.pitches = NdfRequest::Pitches::MayDiffer;
@@ -291,6 +296,19 @@ TEST_F(Scans, WhatAStoppedRunLeftIsClearedAway) {
   std::ofstream(output / ".microbrdf-1-0.part") << "half a file";
   const OutputLock lock(output);
   EXPECT_FALSE(fs::exists(output / ".microbrdf-1-0.part"));
+}
+
+TEST_F(Scans, ACutHeightFileOfOursIsSkipped) {
+  const fs::path whole = scans() / "whole.h5", cut = scans() / "cut.h5";
+  write_microbrdf_hdf5(whole, read_scan(scans() / "scan0.dat").surface,
+                       {.version = "1", .created = "now", .command = "test"});
+  fs::copy_file(whole, cut);
+  fs::resize_file(cut, fs::file_size(whole) - 1);
+  const ScanListing listing = list_scans({scans()});
+  EXPECT_EQ(listing.scans.size(), 4u);
+  ASSERT_EQ(listing.skipped.size(), 1u);
+  EXPECT_EQ(listing.skipped[0].source, "cut.h5");
+  EXPECT_NE(listing.skipped[0].reason.find("cut"), std::string::npos);
 }
 
 TEST_F(Scans, FormatsWithoutAPitchAreReadOnlyWhenNamed) {

@@ -3,10 +3,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <set>
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/bytes.h"
+#include "io/microbrdf_hdf5.h"
 #include "io/scan.h"
 
 namespace micro {
@@ -19,6 +23,17 @@ bool is_same(const fs::path& a, const std::optional<fs::path>& b) {
   return b && fs::equivalent(a, *b, ignored);
 }
 
+/// Does one of our HDF5 files end before its superblock says so? [HDF5 file format III, §II.A: the version
+/// stands at byte 8, the address of the end at byte 40 of version 0, 28 of versions 2 and 3.] HDF5 does not
+/// open such a file.
+bool is_cut(const fs::path& path) {
+  constexpr std::size_t kVersion = 8, kHead = 48;
+  const FileBytes head(path, kHead);
+  if (head.size() < kHead) return true;
+  const std::size_t end = std::to_integer<int>(head.bytes()[kVersion]) == 0 ? 40 : 28;
+  return head.file_size() < load<std::uint64_t>(head.data() + end, std::endian::little);
+}
+
 /// Why a file found in a directory is not taken; nothing if it is.
 std::optional<std::string> reason_to_skip(const fs::path& path) {
   if (is_temporary(path)) return "an unfinished output of a run that was stopped";
@@ -27,6 +42,7 @@ std::optional<std::string> reason_to_skip(const fs::path& path) {
   if (format->listed == ScanFormat::Listed::Never) return "a " + std::string(format->description);
   if (format->listed == ScanFormat::Listed::WhenNamed)
     return std::string(format->name) + " is read only when its file is named";
+  if (format->name == kMicrobrdfHdf5.name && is_cut(path)) return "a height file of microbrdf that was cut";
   return std::nullopt;
 }
 
