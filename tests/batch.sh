@@ -64,6 +64,25 @@ expect_code 0 "after $kills kills" run killed
 compare killed/result.h5 "after $kills kills"
 [[ -z $(find killed -name '.microbrdf-*') ]] || fail "unfinished files are left after the run that completes"
 
+# Asked to stop in the middle of its work, three times over: what was done is kept, and taken up again.
+for k in 1 2 3; do
+  "$program" run scans -o stopped --without kirchhoff,pictures --size 257 --threads 1 >out.txt 2>err.txt &
+  victim=$!
+  sleep "$(printf '0.%03d' $((took / 5)))"
+  kill -TERM "$victim" 2>/dev/null
+  wait "$victim"
+  code=$?
+  [[ $code -eq 0 || $code -eq 3 || $code -eq 143 ]] || fail "stop $k: exit code $code: $(tail -n 2 err.txt)"
+  [[ $code -ne 3 || -s stopped/checkpoint.h5 ]] || fail "stop $k: no checkpoint"
+  nothing_half_written stopped "stop $k"
+done
+kept=no
+[[ ! -e stopped/checkpoint.h5 ]] || kept=yes
+expect_code 0 "after three stops" run stopped
+[[ $kept == no ]] || expect_said "of an earlier run that was stopped" "after three stops"
+compare stopped/result.h5 "after three stops"
+[[ ! -e stopped/checkpoint.h5 ]] || fail "a checkpoint is left after the run that completes"
+
 # A second run on one output, while the first is stopped in the middle of its work.
 "$program" run scans -o held --without kirchhoff,pictures --size 257 --threads 1 >/dev/null 2>&1 &
 first=$!
