@@ -1,85 +1,19 @@
 #include "pipelines/ndf_of_scans.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
-#include <new>
-#include <numbers>
-#include <sstream>
+#include <string>
 
 #include "core/error.h"
 #include "core/estimate.h"
 #include "core/parallel.h"
-#include "distribution/directions.h"
-#include "height/statistics.h"
-#include "height/triangles.h"
-#include "io/sha256.h"
+#include "pipelines/ndf_grids.h"
 #include "pipelines/pitch_groups.h"
 #include "pipelines/run_sums.h"
-#include "pipelines/thumbnail.h"
+#include "pipelines/scan_outcome.h"
 
 namespace micro {
 namespace {
-
-/// One scan's outcome.
-struct ScanOutcome {
-  ScanRecord record;
-  double area = 0;  // A_perp, µm²
-  std::vector<std::optional<ScanNdf>> ndfs;
-  std::vector<std::string> refusals;  // for each method: why it is left out on this scan, or empty
-  std::optional<KirchhoffEstimate> directions;
-  std::string directions_refusal;
-  std::optional<Picture> thumbnail;
-};
-
-/// What is asked of every scan.
-struct Estimators {
-  std::vector<NdfEstimator> tables;
-  std::unique_ptr<KirchhoffScans> directions;
-};
-
-ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Estimators& estimators,
-                    bool thumbnail) {
-  ScanOutcome outcome;
-  ScanRecord& record = outcome.record;
-  record.source = scan.source;
-  outcome.ndfs.resize(request.methods.size());
-  outcome.refusals.resize(request.methods.size());
-  try {
-    record.sha256 = sha256_of_file(scan.path);
-    const PreparedScan prepared = prepare_scan(scan.path, request.prepare);
-    const HeightField& surface = prepared.surface;
-    describe(record, prepared);
-    if (request.statistics == NdfRequest::Statistics::Compute) {
-      record.Sq = Sq(surface);
-      record.Sdq = Sdq(surface);
-    }
-    outcome.area = projected_area(surface);
-    if (!(outcome.area > 0)) throw FileError(scan.path, "has no three neighbouring points, so no surface");
-    const auto unless_unfit = [&](std::string& refusal, const auto& estimate) {
-      try {
-        estimate();
-      } catch (const FileError&) {
-        throw;
-      } catch (const InputError& error) {
-        if (request.unfit == NdfRequest::Unfit::Fail) throw FileError(scan.path, error.what());
-        refusal = error.what();
-      }
-    };
-    for (std::size_t m = 0; m < request.methods.size(); ++m)
-      unless_unfit(outcome.refusals[m], [&] {
-        outcome.ndfs[m] = estimators.tables[m](surface);
-        if (outcome.ndfs[m]->samples == 0) outcome.refusals[m] = "no point's neighbours determine a plane";
-      });
-    if (estimators.directions)
-      unless_unfit(outcome.directions_refusal,
-                   [&] { outcome.directions = (*estimators.directions)(surface); });
-    if (thumbnail) outcome.thumbnail = thumbnail_of(surface);
-  } catch (...) {
-    record.failure = reason_of_failure();
-  }
-  return outcome;
-}
 
 /// Refuses scans of different pitch, all of them by name, before anything is computed. Reading costs little
 /// beside an estimate; what cannot be read, or holds no point, fails when its turn comes.
@@ -114,128 +48,6 @@ void require_one_pitch(const ScanListing& listing, const NdfRequest& request) {
           pitches.add(look.dx, look.dy, source);
       });
   if (pitches.mixed()) throw MixedPitches(pitches, std::move(failed));
-}
-
-/// The larger pitch of the first scan that can be read, or of all of them where they may differ, µm.
-std::optional<double> pitch_of(const ScanListing& listing, const NdfRequest& request) {
-  std::optional<double> coarsest;
-  for (const ListedScan& scan : listing.scans)
-    try {
-      const HeightField surface = read_scan(scan.path, request.prepare.read).surface;
-      coarsest = std::max({coarsest.value_or(0), surface.dx, surface.dy});
-      if (request.pitches == NdfRequest::Pitches::MustAgree) break;
-    } catch (const std::exception&) {
-      continue;  // it is reported when its turn comes
-    }
-  return coarsest;
-}
-
-/// All of the disk that the data can tell of: D_K ends where the grid of points throws its first false order.
-double whole_extent(const NdfMethod& method, std::optional<double> pitch) {
-  const auto* kirchhoff = std::get_if<Kirchhoff>(&method.kind);
-  return kirchhoff && pitch ? std::min(1., kirchhoff->lambda_q / (2 * *pitch)) : 1;
-}
-
-/// A method's grid, and all of the disk that the data can tell of with nodes as dense.
-struct GridOfMethod {
-  DiskGrid grid;
-  std::optional<DiskGrid> spared;  // if it is more
-};
-
-GridOfMethod make_grid(int size, double extent, double whole) {
-  GridOfMethod grid{{size, extent}, {}};
-  if (extent < whole)
-    grid.spared = {static_cast<int>(std::min(2 * std::ceil((size - 1) / 2 * whole / extent) + 1, 1e9)),
-                   whole};
-  return grid;
-}
-
-Estimators make_estimators(const NdfRequest& request, const std::vector<GridOfMethod>& grids) {
-  Estimators estimators;
-  for (std::size_t m = 0; m < grids.size(); ++m)
-    estimators.tables.emplace_back(request.methods[m], grids[m].grid, grids[m].spared);
-  return estimators;
-}
-
-/// Half widths that hold the energy of a few scans spread over the listing.
-std::vector<double> survey(const ScanListing& listing, const NdfRequest& request,
-                           const std::vector<double>& whole) {
-  constexpr std::size_t kSurveyed = 8;
-  constexpr int kCoarse = 257;
-  constexpr double kEnergy = 0.999, kMargin = 1.25;  // the margin is for what other scans may hold
-  NdfRequest brief = request;
-  brief.statistics = NdfRequest::Statistics::LeaveOut;
-  std::vector<GridOfMethod> grids;
-  for (const double extent : whole)
-    grids.push_back(make_grid(std::min(request.size, kCoarse), extent, extent));
-  const Estimators estimators = make_estimators(brief, grids);
-  std::vector<double> extents(whole.size(), 0.);
-  const std::size_t surveyed = std::min(kSurveyed, listing.scans.size());
-  parallel_in_order(
-      static_cast<std::int64_t>(surveyed),
-      [&](std::int64_t k) {
-        const std::size_t scan = static_cast<std::size_t>(k) * listing.scans.size() / surveyed;
-        return look_at(listing.scans[scan], brief, estimators, false);
-      },
-      [&](std::int64_t, const ScanOutcome& outcome) {
-        for (std::size_t m = 0; m < extents.size(); ++m)
-          if (outcome.ndfs[m])
-            extents[m] = std::max(extents[m], kMargin * extent_holding(outcome.ndfs[m]->density, kEnergy));
-      });
-  // A blurred lobe needs room for the signature's reach as well.
-  const double reach =
-      request.signature ? std::sin(std::min(request.signature->signature.angle.back(), std::numbers::pi / 2))
-                        : 0;
-  for (std::size_t m = 0; m < extents.size(); ++m)
-    extents[m] = extents[m] > 0 ? std::min(whole[m], extents[m] + reach) : whole[m];
-  return extents;
-}
-
-/// The grid of each method.
-std::vector<GridOfMethod> choose_grids(const ScanListing& listing, const NdfRequest& request) {
-  const bool needs_pitch =
-      std::any_of(request.methods.begin(), request.methods.end(),
-                  [](const NdfMethod& method) { return std::holds_alternative<Kirchhoff>(method.kind); });
-  const std::optional<double> pitch = needs_pitch ? pitch_of(listing, request) : std::nullopt;
-  std::vector<double> whole;
-  for (const NdfMethod& method : request.methods)
-    whole.push_back(whole_extent(method, pitch));
-  std::vector<double> extents = whole;
-  if (const auto* extent = std::get_if<double>(&request.extent))
-    extents.assign(request.methods.size(), *extent);
-  else if (std::holds_alternative<HoldsEnergy>(request.extent))
-    extents = survey(listing, request, whole);
-  std::vector<GridOfMethod> grids;
-  for (std::size_t m = 0; m < extents.size(); ++m)
-    grids.push_back(make_grid(request.size, extents[m], whole[m]));
-  return grids;
-}
-
-/// The one grid of all wavelengths: what the shortest can tell of, and what holds the energy of both ends.
-DiskGrid spectrum_grid(const ScanListing& listing, const NdfRequest& request) {
-  std::vector<double> ends;
-  if (const auto* range = std::get_if<AsManyAsNeeded>(&request.spectrum->lambda_q)) {
-    ends = {range->shortest, range->longest};
-  } else {
-    const auto& lambda_q = std::get<std::vector<double>>(request.spectrum->lambda_q);
-    ends = {lambda_q.front(), lambda_q.back()};
-  }
-  NdfRequest brief = request;
-  brief.methods.clear();
-  for (const double lambda : ends)
-    brief.methods.push_back({"kirchhoff", Kirchhoff{lambda, request.spectrum->tolerance}});
-  const std::vector<GridOfMethod> grids = choose_grids(listing, brief);
-  const bool energy = std::holds_alternative<HoldsEnergy>(request.extent);
-  return {request.size, energy ? std::max(grids[0].grid.extent, grids[1].grid.extent) : grids[0].grid.extent};
-}
-
-/// The half vectors that are asked for.
-std::vector<Vec3> choose_directions(const ScanListing& listing, const NdfRequest& request) {
-  if (const auto* given = std::get_if<std::vector<Vec3>>(&request.directions->directions)) return *given;
-  NdfRequest table = request;
-  table.methods = {{"kirchhoff", request.directions->kirchhoff}};
-  return spread_directions(std::get<int>(request.directions->directions),
-                           choose_grids(listing, table).front().grid.extent);
 }
 
 /// The stages before the methods.

@@ -1,0 +1,54 @@
+#include "pipelines/scan_outcome.h"
+
+#include "core/error.h"
+#include "height/statistics.h"
+#include "height/triangles.h"
+#include "io/sha256.h"
+#include "pipelines/thumbnail.h"
+
+namespace micro {
+
+ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Estimators& estimators,
+                    bool thumbnail) {
+  ScanOutcome outcome;
+  ScanRecord& record = outcome.record;
+  record.source = scan.source;
+  outcome.ndfs.resize(request.methods.size());
+  outcome.refusals.resize(request.methods.size());
+  try {
+    record.sha256 = sha256_of_file(scan.path);
+    const PreparedScan prepared = prepare_scan(scan.path, request.prepare);
+    const HeightField& surface = prepared.surface;
+    describe(record, prepared);
+    if (request.statistics == NdfRequest::Statistics::Compute) {
+      record.Sq = Sq(surface);
+      record.Sdq = Sdq(surface);
+    }
+    outcome.area = projected_area(surface);
+    if (!(outcome.area > 0)) throw FileError(scan.path, "has no three neighbouring points, so no surface");
+    const auto unless_unfit = [&](std::string& refusal, const auto& estimate) {
+      try {
+        estimate();
+      } catch (const FileError&) {
+        throw;
+      } catch (const InputError& error) {
+        if (request.unfit == NdfRequest::Unfit::Fail) throw FileError(scan.path, error.what());
+        refusal = error.what();
+      }
+    };
+    for (std::size_t m = 0; m < request.methods.size(); ++m)
+      unless_unfit(outcome.refusals[m], [&] {
+        outcome.ndfs[m] = estimators.tables[m](surface);
+        if (outcome.ndfs[m]->samples == 0) outcome.refusals[m] = "no point's neighbours determine a plane";
+      });
+    if (estimators.directions)
+      unless_unfit(outcome.directions_refusal,
+                   [&] { outcome.directions = (*estimators.directions)(surface); });
+    if (thumbnail) outcome.thumbnail = thumbnail_of(surface);
+  } catch (...) {
+    record.failure = reason_of_failure();
+  }
+  return outcome;
+}
+
+}  // namespace micro
