@@ -57,7 +57,7 @@ check() {  # check NAME COMMAND...
   count "$result" "$name"
 }
 
-sources() { find libmicro pipelines tools bench tests -name '*.h' -o -name '*.cpp' -o -name '*.c'; }
+sources() { find libmicro pipelines tools bench tests fuzz -name '*.h' -o -name '*.cpp' -o -name '*.c'; }
 
 if [[ $all -eq 0 ]]; then
   scripts/install-packages.sh build test
@@ -70,6 +70,7 @@ else
   run_preset no-openmp
   run_preset asan-ubsan
   run_preset tsan
+  run_preset fuzz
   mapfile -t files < <(sources | sort)
   check clang-format clang-format-14 --dry-run -Werror "${files[@]}"
   # Tests are left out: GoogleTest's macros cost most of the time and raise most of the false alarms.
