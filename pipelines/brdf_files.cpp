@@ -67,6 +67,7 @@ void write_slices(Hdf5Writer& file, const BrdfReport& report) {
     file.attach_scale(group + "/f", 1, group + "/theta_o", "theta_o");
     file.set_attribute(group, "theta_i", theta_of(slice.wi));
     file.set_attribute(group, "phi_i", phi_of(slice.wi));
+    file.set_attribute(group, "plane", slice.plane);
     file.set_attribute(group, "unit", std::string_view("1/sr"));
   }
 }
@@ -127,14 +128,14 @@ void write_table(Hdf5Writer& file, const BrdfReport& report) {
 
 std::string slices_csv(const BrdfReport& report) {
   std::ostringstream text;
-  text << "theta_i_deg,phi_i_deg,theta_o_deg";
+  text << "theta_i_deg,phi_i_deg,plane_deg,theta_o_deg";
   for (const double lambda : report.request.lambda_um)
     text << ",f_" << lambda << "um_per_sr";
   text << '\n';
   for (const BrdfSlice& slice : report.slices)
     for (std::size_t k = 0; k < slice.theta_o.size(); ++k) {
       text << theta_of(slice.wi) * kRadian << ',' << phi_of(slice.wi) * kRadian << ','
-           << slice.theta_o[k] * kRadian;
+           << slice.plane * kRadian << ',' << slice.theta_o[k] * kRadian;
       for (const auto& f : slice.f)
         text << ',' << f[k];
       text << '\n';
@@ -180,7 +181,8 @@ Picture draw_slice(const BrdfReport& report, const BrdfSlice& slice) {
     curves.push_back(std::move(curve));
   }
   std::ostringstream title;
-  title << "f (1/sr), wi at " << theta_of(slice.wi) * kRadian << " deg, " << report.material;
+  title << "f (1/sr), wi at " << theta_of(slice.wi) * kRadian << " deg, plane " << slice.plane * kRadian
+        << " deg, " << report.material;
   constexpr Eigen::Index kWidth = 720, kHeight = 360;
   if (!(peak > 0)) peak = 1;
   return draw_plot(

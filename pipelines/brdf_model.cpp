@@ -58,12 +58,18 @@ BrdfModel waves(const ResultModelRequest& request, const std::vector<NdfTable>& 
   }
   const Tabulated normals = masking_normals(request, densities.back());
   const Tabulated& drawn = densities[densities.size() / 2];
-  const SpectrumDensity density(lambda_q, densities);
+  const auto density = [spectrum = SpectrumDensity(lambda_q, densities), n = request.medium](const Vec3& q) {
+    return spectrum(n * q);
+  };
   const std::string description = request.distribution +
                                   (request.masking == Masking::Smith ? ", Smith's G, " : ", without G, ") +
                                   request.path.string();
   return {description, AnyBrdf(KirchhoffBrdf(density, normals, drawn, request.masking, fresnel)),
           AnyBrdf(KirchhoffBrdf(density, normals, drawn, request.masking))};
+}
+
+const char* form_name(SunForm form) {
+  return form == SunForm::AsPrinted ? "as printed" : "corrected";
 }
 
 }  // namespace
@@ -105,6 +111,21 @@ BrdfModel result_model(const ResultModelRequest& request, const Fresnel& fresnel
   } catch (const InputError& error) {
     throw FileError(request.path, error.what());
   }
+}
+
+BrdfModel sun_model(double s, SunForm form, const Fresnel& fresnel) {
+  std::ostringstream description;
+  description << "Sun's one-term BRDF " << form_name(form) << ", smoothness " << s;
+  return {description.str(), AnyBrdf(SunReflection(s, fresnel, form)),
+          AnyBrdf(SunReflection(s, Fresnel(), form))};
+}
+
+BrdfModel coated_model(const BrdfModel& substrate, const Coat& coat, SunForm form) {
+  std::ostringstream description;
+  description << substrate.description << "; under a coat " << form_name(form) << ", n = " << coat.n
+              << ", smoothness " << coat.smoothness;
+  return {description.str(), AnyBrdf(Coated(substrate.metal, coat, form)),
+          AnyBrdf(Coated(substrate.mirror, coat, form))};
 }
 
 }  // namespace micro

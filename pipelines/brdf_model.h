@@ -4,6 +4,7 @@
 #include <string>
 
 #include "brdf/any_brdf.h"
+#include "brdf/coat.h"
 #include "brdf/kirchhoff_brdf.h"
 #include "distribution/slope_space.h"
 
@@ -30,11 +31,19 @@ struct ResultModelRequest {
   std::string distribution;    ///< a method of /ndf, or `ellipsoid` or `beckmann`: the fit of `fitted`
   std::string fitted = "filtered";
   Masking masking = Masking::Smith;
+  double medium = 1;  ///< index of what lies over the surface, such as a coat: there D_K sees λ/medium
 };
 
 /// Tables of a method: filtered and naive ones as microfacets, those whose name begins with `kirchhoff` as
 /// D_K at λ_q(λ, θ_d) if there are several wavelengths, else at their one λ_q, with G1 of the filtered table
 /// if the file has one. Throws FileError.
 BrdfModel result_model(const ResultModelRequest& request, const Fresnel& fresnel);
+
+/// Sun's one-term BRDF of a Gaussian surface of smoothness s = τ/σ_h [Sun02 Eq. 3.5.3]. Throws InputError.
+BrdfModel sun_model(double s, SunForm form, const Fresnel& fresnel);
+
+/// A model under a smooth coat [SunGlossy]; its Fresnel reflectance and its D_K are those in the coat's
+/// medium (`under`, `ResultModelRequest::medium`). Throws InputError.
+BrdfModel coated_model(const BrdfModel& substrate, const Coat& coat, SunForm form);
 
 }  // namespace micro

@@ -1,5 +1,6 @@
 #include "pipelines/brdf_report.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,10 +13,11 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-BrdfSlice slice_of(const AnyBrdf& model, const Vec3& wi, const std::vector<double>& lambda_um) {
+BrdfSlice slice_of(const AnyBrdf& model, const Vec3& wi, double plane, const std::vector<double>& lambda_um) {
   constexpr int kPerDegree = 10, kHalf = 90 * kPerDegree - 1;
-  const Vec2 away = wi.head<2>().norm() > 0 ? Vec2(-wi.head<2>().normalized()) : Vec2(1, 0);
-  BrdfSlice slice{wi, {}, std::vector<std::vector<double>>(lambda_um.size())};
+  const Vec2 mirror = wi.head<2>().norm() > 0 ? Vec2(-wi.head<2>().normalized()) : Vec2(1, 0);
+  const Vec2 away = Eigen::Rotation2Dd(plane) * mirror;
+  BrdfSlice slice{wi, plane, {}, std::vector<std::vector<double>>(lambda_um.size())};
   for (int k = -kHalf; k <= kHalf; ++k)
     slice.theta_o.push_back(k * kDegree / kPerDegree);
   parallel_for(static_cast<std::int64_t>(lambda_um.size()), [&](std::int64_t c) {
@@ -48,7 +50,8 @@ BrdfReport evaluate_brdf(const BrdfModel& model, const std::string& material, co
   const double middle = lambda[lambda.size() / 2];
   constexpr double kSpectrumTolerance = 1e-3;
   for (const Vec3& wi : request.wi) {
-    report.slices.push_back(slice_of(model.metal, wi, lambda));
+    for (const double plane : request.planes)
+      report.slices.push_back(slice_of(model.metal, wi, plane, lambda));
     if (!request.albedo) continue;
     report.albedo.emplace_back();
     for (const double each : lambda)

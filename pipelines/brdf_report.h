@@ -14,17 +14,19 @@ namespace micro {
 /// What is wanted of a model; what is absent is neither computed nor stored.
 struct BrdfRequest {
   std::vector<double> lambda_um = {0.45, 0.55, 0.65};
-  std::vector<Vec3> wi;                ///< slices in the plane of incidence, and albedos
+  std::vector<Vec3> wi;                ///< of slices and albedos
+  std::vector<double> planes = {0};    ///< radians: azimuths of a wi's slices from its plane of incidence
   std::optional<double> albedo = {};   ///< tolerance of albedos
   std::optional<double> furnace = {};  ///< tolerance of the white furnace; with it goes reciprocity
   int spectrum = 0;  ///< wavelengths of the albedo's spectrum and its colour, for the first wi
   std::optional<HalfAngleGrid> table = {};
 };
 
-/// f in the plane of wi and n.
+/// f in the plane that holds n and turns by `plane` about it from that of wi.
 struct BrdfSlice {
   Vec3 wi;
-  std::vector<double> theta_o;         ///< radians, positive on the side that a mirror sends to
+  double plane;                        ///< radians
+  std::vector<double> theta_o;         ///< radians, positive on the side a mirror sends to, turned by `plane`
   std::vector<std::vector<double>> f;  ///< [λ, theta_o] 1/sr
 };
 
@@ -38,7 +40,7 @@ struct BrdfSpectrum {
 struct BrdfReport {
   BrdfRequest request;
   std::string description, material;
-  std::vector<BrdfSlice> slices;                      ///< of each wi
+  std::vector<BrdfSlice> slices;                      ///< of each wi and plane
   std::vector<std::vector<Estimate<double>>> albedo;  ///< [wi, λ]
   std::optional<BrdfSpectrum> spectrum;
   std::optional<WhiteFurnace> furnace;                ///< of a perfect mirror, at the middle wavelength

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <memory>
 
-#include "core/error.h"
 #include "pipelines/brdf_report.h"
+#include "tools/brdf_model_options.h"
 #include "tools/commands.h"
 #include "tools/common_options.h"
 #include "tools/json_output.h"
@@ -14,45 +14,14 @@ namespace {
 
 struct Options {
   CommonOptions common;
-  std::string input, output, distribution, fitted = "filtered", material = "mirror", masking = "smith";
-  std::vector<std::string> alpha, theta, lambda, wi;
+  BrdfModelOptions model;
+  std::string output;
+  std::vector<std::string> lambda, wi, planes;
   double azimuth = 0, phi_h = 0;
   BrdfRequest request;
   double tolerance = 1e-3;
   bool albedo = false, furnace = false, table = false, no_figure = false;
 };
-
-/// Two lengths of the lobe, or one for both.
-EllipsoidParameters lobe_of(const Options& options) {
-  const auto number = [](const std::string& text) {
-    try {
-      std::size_t end = 0;
-      const double value = std::stod(text, &end);
-      if (end == text.size()) return value;
-    } catch (const std::exception&) {
-      // falls through to the sentence below
-    }
-    throw CLI::ValidationError("--alpha: '" + text + "' is no number");
-  };
-  if (options.alpha.empty()) throw CLI::ValidationError("a model without a FILE needs --alpha");
-  const double alpha_x = number(options.alpha.front()), alpha_y = number(options.alpha.back());
-  EllipsoidParameters parameters{alpha_x, alpha_y};
-  double* const angles[] = {&parameters.theta_x, &parameters.theta_y, &parameters.theta_z};
-  for (std::size_t k = 0; k < options.theta.size(); ++k)
-    *angles[k] = parse_angle(options.theta[k]);
-  return parameters;
-}
-
-BrdfModel model_of(const Options& options, const Fresnel& fresnel) {
-  const std::string& distribution = options.distribution;
-  if (options.input.empty())
-    return lobe_model(distribution.empty() ? "ellipsoid" : distribution, lobe_of(options), fresnel);
-  if (!options.alpha.empty() || !options.theta.empty())
-    throw CLI::ValidationError("--alpha and --theta make a model; they do not go with a FILE");
-  return result_model({options.input, distribution.empty() ? "filtered" : distribution, options.fitted,
-                       options.masking == "none" ? Masking::None : Masking::Smith},
-                      fresnel);
-}
 
 BrdfRequest request_of(const Options& options) {
   BrdfRequest request = options.request;
@@ -68,6 +37,9 @@ BrdfRequest request_of(const Options& options) {
     request.wi.emplace_back(std::sin(theta) * std::cos(options.azimuth),
                             std::sin(theta) * std::sin(options.azimuth), std::cos(theta));
   }
+  if (!options.planes.empty()) request.planes.clear();
+  for (const std::string& text : options.planes)
+    request.planes.push_back(parse_angle(text));
   if (options.albedo) request.albedo = options.tolerance;
   if (options.furnace) request.furnace = options.tolerance;
   if (options.table) {
@@ -76,8 +48,8 @@ BrdfRequest request_of(const Options& options) {
   }
   if (request.wi.empty() && !request.furnace && !request.table)
     throw CLI::ValidationError("nothing was asked for: give --wi, --furnace or --table");
-  if (request.wi.empty() && (options.albedo || request.spectrum > 0))
-    throw CLI::ValidationError("--albedo and --spectrum need a --wi");
+  if (request.wi.empty() && (options.albedo || request.spectrum > 0 || !options.planes.empty()))
+    throw CLI::ValidationError("--albedo, --spectrum and --plane need a --wi");
   return request;
 }
 
@@ -133,8 +105,7 @@ void print(const BrdfReport& report, const std::string& output,
 
 int run(const Options& options, const CLI::App& app) {
   const BrdfRequest request = request_of(options);
-  const BrdfModel model = model_of(options, material(options.material));
-  const BrdfReport report = evaluate_brdf(model, options.material, request);
+  const BrdfReport report = evaluate_brdf(make_brdf_model(options.model), options.model.material, request);
   write_brdf(options.output, report, command_line_of(app));
   const auto files =
       options.no_figure ? std::vector<std::filesystem::path>() : write_brdf_pictures(options.output, report);
@@ -149,29 +120,9 @@ int run(const Options& options, const CLI::App& app) {
 
 Run add_brdf(CLI::App& app) {
   auto options = std::make_shared<Options>();
-  app.add_option(
-      "FILE", options->input,
-      "HDF5 file with /ndf/<method>/density: result.h5, or any other (without: a model by --alpha)");
+  add_brdf_model_options(app, options->model);
   app.add_option("-o,--output", options->output, "HDF5 file to write; CSV and pictures go beside it")
       ->required();
-  app.add_option(
-      "--distribution", options->distribution,
-      "Of FILE: filtered (default), naive, kirchhoff, kirchhoff_spectrum or any other method in it, or "
-      "ellipsoid or beckmann as fitted; without FILE: ellipsoid (default) or beckmann");
-  app.add_option("--fit-of", options->fitted, "The method whose fit ellipsoid and beckmann are")
-      ->capture_default_str();
-  app.add_option("--alpha", options->alpha, "Width of the model's lobe, or X,Y")
-      ->delimiter(',')
-      ->expected(1, 2);
-  app.add_option("--theta", options->theta, "The lobe's angles X,Y,Z [Dong15 Eq. 12]")
-      ->delimiter(',')
-      ->expected(1, 3);
-  app.add_option("--material", options->material,
-                 "Al, Cu, Au, Ag, Fe, Cr, Ni, Ti, steel, mirror, or an index: 1.5 or 0.2,3.4")
-      ->capture_default_str();
-  app.add_option("--masking", options->masking, "G of Kirchhoff models: smith or none")
-      ->check(CLI::IsMember({"smith", "none"}))
-      ->capture_default_str();
   app.add_option("--lambda", options->lambda, "Wavelength (default 450nm 550nm 650nm); repeatable")
       ->type_name("LENGTH")
       ->allow_extra_args(false);
@@ -179,6 +130,10 @@ Run add_brdf(CLI::App& app) {
       ->type_name("ANGLE")
       ->allow_extra_args(false);
   add_angle(app, "--azimuth", options->azimuth, "Azimuth of the light (default 0)");
+  app.add_option("--plane", options->planes,
+                 "Azimuth of a slice from the plane of the light and the normal (default 0); repeatable")
+      ->type_name("ANGLE")
+      ->allow_extra_args(false);
   app.add_flag("--albedo", options->albedo, "Directional albedo at every --wi");
   app.add_option("--spectrum", options->request.spectrum,
                  "Albedo at the first --wi at this many wavelengths, and its colour")
@@ -191,8 +146,13 @@ Run add_brdf(CLI::App& app) {
                "The whole BRDF over 90 x 90 x 180 half and difference angles, as MERL's");
   add_angle(app, "--phi-h", options->phi_h, "Azimuth of the table's half vectors (default 0)");
   app.add_flag("--no-figure", options->no_figure, "Leave out CSV and pictures");
-  add_common_options(app, options->common,
-                     "microbrdf brdf out/result.h5 --material Cu --wi 30deg --albedo -o cu.h5");
+  add_common_options(
+      app, options->common,
+      "microbrdf brdf out/result.h5 --material Cu --wi 30deg --albedo -o cu.h5\n"
+      "  microbrdf brdf out/result.h5 --distribution kirchhoff --wi 30deg --plane 0 --plane 90deg "
+      "-o wave.h5\n"
+      "  microbrdf brdf --alpha 0.3,0.1 --coat 1.5 --material Cu --wi 45deg -o enamelled.h5\n"
+      "  microbrdf brdf --model sun --smoothness 5 --form printed --wi 45deg --furnace -o sun.h5");
   return [options, &app] { return run(*options, app); };
 }
 

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 
 #include "brdf/microfacet.h"
@@ -17,6 +18,25 @@ namespace micro::tools {
 namespace {
 
 using testing::run_program;
+
+constexpr double kDegree = std::numbers::pi / 180, kFloat = 1e-6;
+
+/// A slice of a file holds the model's f: wo from its angles, in the plane that its attributes name.
+void expect_slice(const std::string& slice, const std::string& path, const AnyBrdf& model, double lambda_um,
+                  double tolerance = kFloat) {
+  const Hdf5Reader reader(path);
+  const auto f = reader.read<double>(slice + "/f"), theta = reader.read<double>(slice + "/theta_o");
+  const double theta_i = reader.number_attribute(slice, "theta_i"),
+               phi_i = reader.number_attribute(slice, "phi_i"),
+               phi_o = phi_i + std::numbers::pi + reader.number_attribute(slice, "plane");
+  const auto direction = [](double t, double phi) {
+    return Vec3(std::sin(t) * std::cos(phi), std::sin(t) * std::sin(phi), std::cos(t));
+  };
+  for (const std::size_t k : {700u, 1100u, 1250u}) {  // 20 degrees back, 20 and 35 forwards
+    const double expected = model.f(direction(theta_i, phi_i), direction(theta[k], phi_o), lambda_um);
+    EXPECT_NEAR(f[k] / expected, 1, tolerance) << path << ' ' << slice << ' ' << theta[k];
+  }
+}
 
 class BrdfCommand : public ::testing::Test {
  protected:
@@ -56,29 +76,48 @@ TEST_F(BrdfCommand, WritesAModelsSlicesAlbedoColourAndFurnace) {
   for (const char* name : {"a_slices.csv", "a_albedo.csv", "a_spectrum.csv", "a_slice0.png"})
     EXPECT_TRUE(std::filesystem::exists(file(name))) << name;
 
-  const Hdf5Reader reader(file("a.h5"));
-  const auto theta = reader.read<double>("/brdf/slice0/theta_o");
-  const auto f = reader.read<double>("/brdf/slice0/f");
-  const Microfacet model(gtr2_anisotropic(0.3, 0.1), material("Cu"));
-  const std::size_t k = 1100;
-  const double s = std::sin(reader.number_attribute("/brdf/slice0", "theta_i"));
-  const Vec3 wi(s, 0, std::sqrt(1 - s * s)), wo(-std::sin(theta[k]), 0, std::cos(theta[k]));
-  EXPECT_NEAR(f[k] / model.f(wi, wo, 0.55), 1, 1e-6);
+  expect_slice("/brdf/slice0", file("a.h5"), AnyBrdf(Microfacet(gtr2_anisotropic(0.3, 0.1), material("Cu"))),
+               0.55);
 }
 
 TEST_F(BrdfCommand, ReadsTablesOfAResult) {
   write_tables("r.h5");
   const std::string common = " --wi 40deg --lambda 500nm --no-figure -o " + file("o.h5");
-  const Microfacet model(ggx(0.3));
+  const AnyBrdf model(Microfacet(ggx(0.3)));
   for (const std::string distribution : {"filtered", "kirchhoff_spectrum"}) {
     ASSERT_EQ(run(file("r.h5") + " --distribution " + distribution + common).code, 0);
-    const Hdf5Reader reader(file("o.h5"));
-    const auto f = reader.read<double>("/brdf/slice0/f"), theta = reader.read<double>("/brdf/slice0/theta_o");
-    const double t = reader.number_attribute("/brdf/slice0", "theta_i");
-    const std::size_t k = 1250;
-    const Vec3 wi(std::sin(t), 0, std::cos(t)), wo(-std::sin(theta[k]), 0, std::cos(theta[k]));
-    EXPECT_NEAR(f[k] / model.f(wi, wo, 0.5), 1, 0.01) << distribution;  // of a table of 257²
+    expect_slice("/brdf/slice0", file("o.h5"), model, 0.5, 0.01);  // of a table of 257²
   }
+}
+
+TEST_F(BrdfCommand, HasSunsModelAndTheCoatCorrectedAndPrinted) {
+  const Fresnel copper = under(material("Cu"), 1.4);
+  const Coat coat{1.4, 30};
+  const SunForm printed = SunForm::AsPrinted;
+  const std::vector<std::pair<std::string, AnyBrdf>> cases = {
+      {"--model sun --smoothness 5", AnyBrdf(SunReflection(5, material("Cu")))},
+      {"--model sun --smoothness 5 --form printed", AnyBrdf(SunReflection(5, material("Cu"), printed))},
+      {"--alpha 0.3,0.1 --coat 1.4 --coat-smoothness 30",
+       AnyBrdf(Coated(Microfacet(gtr2_anisotropic(0.3, 0.1), copper), coat))},
+      {"--model sun --smoothness 5 --coat 1.4 --coat-smoothness 30 --form printed",
+       AnyBrdf(Coated(SunReflection(5, copper, printed), coat, printed))}};
+  for (const auto& [arguments, model] : cases) {
+    ASSERT_EQ(run(arguments + " --material Cu --wi 30deg --lambda 550nm --no-figure -o " + file("s.h5")).code,
+              0)
+        << arguments;
+    expect_slice("/brdf/slice0", file("s.h5"), model, 0.55);
+  }
+}
+
+TEST_F(BrdfCommand, SlicesLieInThePlaneAskedFor) {
+  ASSERT_EQ(run("--alpha 0.3,0.1 --wi 30deg --azimuth 20deg --plane 0 --plane 70deg --lambda 550nm -o " +
+                file("p.h5"))
+                .code,
+            0);
+  const AnyBrdf model(Microfacet(gtr2_anisotropic(0.3, 0.1)));
+  expect_slice("/brdf/slice0", file("p.h5"), model, 0.55);
+  expect_slice("/brdf/slice1", file("p.h5"), model, 0.55);
+  EXPECT_NEAR(Hdf5Reader(file("p.h5")).number_attribute("/brdf/slice1", "plane"), 70 * kDegree, 1e-12);
 }
 
 TEST_F(BrdfCommand, RefusesWhatMakesNoSense) {
@@ -94,6 +133,13 @@ TEST_F(BrdfCommand, RefusesWhatMakesNoSense) {
   EXPECT_EQ(run(file("r.h5") + " --distribution naive --wi 30deg" + out).code, 3);      // not in the file
   EXPECT_EQ(run(file("r.h5") + " --distribution ellipsoid --wi 30deg" + out).code, 3);  // not fitted
   EXPECT_EQ(run(file("r.h5") + " --alpha 0.2 --wi 30deg" + out).code, 2);
+  for (const char* arguments :
+       {"--model sun", "--smoothness 5", "--model sun --smoothness 0",
+        "--model sun --smoothness 5 --alpha 0.2", "--model kirchhoff", "--alpha 0.2 --coat 0.9",
+        "--alpha 0.2 --coat-smoothness 5", "--alpha 0.2 --form printed", "--alpha 0.2 --plane x"})
+    EXPECT_EQ(run(arguments + (" --wi 30deg" + out)).code, 2) << arguments;
+  EXPECT_EQ(run("--alpha 0.2 --plane 10deg --furnace" + out).code, 2);  // of which light?
+  EXPECT_EQ(run(file("r.h5") + " --model kirchhoff --distribution filtered --wi 30deg" + out).code, 2);
   EXPECT_FALSE(std::filesystem::exists(file("o.h5")));
 }
 
