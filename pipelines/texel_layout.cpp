@@ -5,10 +5,10 @@
 #include <fstream>
 #include <map>
 #include <optional>
-#include <regex>
 #include <utility>
 
 #include "core/error.h"
+#include "pipelines/name_pattern.h"
 
 namespace micro {
 namespace {
@@ -22,48 +22,13 @@ std::optional<Eigen::Index> number(const std::string& text) {
   return value;
 }
 
-/// A pattern as a regular expression, and which of its groups hold the row and the column.
-struct NamePattern {
-  std::regex expression;
-  std::size_t row = 0, col = 0;  // 0: not in the pattern
-};
-
-NamePattern compile(const std::string& pattern) {
-  NamePattern compiled;
-  std::string text;
-  std::size_t groups = 0;
-  for (std::size_t k = 0; k < pattern.size();) {
-    if (pattern.compare(k, 5, "{row}") == 0 || pattern.compare(k, 5, "{col}") == 0) {
-      std::size_t& group = pattern[k + 1] == 'r' ? compiled.row : compiled.col;
-      if (group > 0) throw InputError("the layout '" + pattern + "' says the same number twice");
-      group = ++groups;
-      text += "([0-9]+)";
-      k += 5;
-      continue;
-    }
-    if (std::isalnum(static_cast<unsigned char>(pattern[k])) == 0) text += '\\';
-    text += pattern[k++];
-  }
-  if (groups == 0)
-    throw InputError("the layout '" + pattern + "' has neither {row} nor {col}, as in r{row}_c{col}");
-  compiled.expression = std::regex(text);
-  return compiled;
-}
-
 std::vector<Place> places_by_name(const ScanListing& listing, const std::string& pattern) {
-  const NamePattern compiled = compile(pattern);
+  const NamePattern names(pattern);
   std::vector<Place> places;
   for (const ListedScan& scan : listing.scans) {
-    std::smatch match;
-    if (!std::regex_search(scan.source, match, compiled.expression))
-      throw InputError(scan.source + ": its name does not follow the layout '" + pattern + "'");
-    const auto at = [&](std::size_t group) -> Eigen::Index {
-      if (group == 0) return 0;
-      const auto value = number(match[group].str());
-      if (!value) throw InputError(scan.source + ": a row or column is too large");
-      return *value;
-    };
-    places.push_back({at(compiled.row), at(compiled.col)});
+    const auto place = names.find(scan.source);
+    if (!place) throw InputError(scan.source + ": its name does not follow the layout '" + pattern + "'");
+    places.push_back({place->row, place->col});
   }
   return places;
 }
