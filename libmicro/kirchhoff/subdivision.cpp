@@ -70,6 +70,13 @@ Relief sample_relief(const HeightField& surface) {
   return relief;
 }
 
+/// The slope s whose phase turns by `turns`·|q| per length in its worst direction on the table:
+/// max sinθ + s·cosθ over θ up to the outermost, which is √(1 + s²) where tanθ = 1/s is on the table.
+double steepest_slope(double turns, double sin_theta) {
+  if (turns * sin_theta >= 1) return std::sqrt(turns * turns - 1);
+  return (turns - sin_theta) / std::sqrt(1 - sin_theta * sin_theta);
+}
+
 }  // namespace
 
 int choose_subdivision(const HeightField& surface, const SubdivisionDemands& demands) {
@@ -94,7 +101,7 @@ int choose_subdivision(const HeightField& surface, const SubdivisionDemands& dem
     const double turns = 2 * std::numbers::pi * n / phase;
     // In-plane phases alone must stay within half a period.
     if (turns < 2 * sin_theta) return 1.0;
-    return turns > 1 ? relief.fraction_above(std::sqrt(turns * turns - 1)) : 1.0;
+    return relief.fraction_above(steepest_slope(turns, sin_theta));
   };
   // Cliffs are few and their light goes everywhere: beyond 4 the measured error decides.
   constexpr int kMost = 4096;

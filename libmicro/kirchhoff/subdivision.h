@@ -15,8 +15,9 @@ struct SubdivisionDemands {
 
 /// How finely the triangles have to be cut, judged from the relief before anything is computed. Three laws,
 /// their constants measured against `exact`:
-/// - Facets whose phase turns by more than a whole period of the lattice, |q|·√(1 + slope²)·d > 2π·n, are
-///   taken for gentler ones (they alias), so hardly any such facet may be left.
+/// - Facets whose phase turns by more than a whole period of the lattice in some direction on the table,
+///   |q|·(sinθ + slope·cosθ)·d > 2π·n, are taken for gentler ones (they alias), so hardly any such facet may
+///   be left.
 /// - On a plane the lattice's sum is the integral. Where the slope changes by κ from facet to facet, the
 ///   midpoint rule errs by the jump of the third derivative of e^{−iq·s} [Euler–Maclaurin], ∝
 ///   sin²θ·κ·(|q|d/n)³ a cell; cells add up at random, and the lobe's peak is as low as the typical sinθ is
