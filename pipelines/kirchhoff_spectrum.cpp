@@ -20,9 +20,8 @@ struct ScanSpectrum {
   std::vector<ErrorSample> errors;
   std::vector<std::int64_t> unreached;
   std::int64_t windows = 0;
-  double area = 0;  // A_perp, µm²
-  double side_x = 0, side_y = 0, pitch = 0;
-  double seconds = 0;
+  double area = 0;   // A_perp, µm²
+  double pitch = 0;  // µm
 };
 
 /// Wavelengths that share their windows, and the solver that keeps its memory from scan to scan.
@@ -74,35 +73,33 @@ void add_group(const HeightField& surface, WavelengthGroup& group, ScanSpectrum&
 
 ScanSpectrum spectrum_of(const HeightField& surface, std::vector<WavelengthGroup>& groups,
                          std::size_t wavelengths) {
-  const Stopwatch watch;
   ScanSpectrum scan;
   scan.tables.resize(wavelengths);
   scan.errors.resize(wavelengths);
   scan.unreached.assign(wavelengths, 0);
   scan.area = projected_area(surface);
-  scan.side_x = static_cast<double>(surface.cols() - 1) * surface.dx;
-  scan.side_y = static_cast<double>(surface.rows() - 1) * surface.dy;
   scan.pitch = std::max(surface.dx, surface.dy);
   for (WavelengthGroup& group : groups)
     add_group(surface, group, scan);
-  scan.seconds = watch.seconds();
   return scan;
 }
 
 /// λ_q/(2L) of a scan's shorter side, or of a window's.
-double longer_speckle(const ScanSpectrum& scan, const SpectrumRequest& request, double longest) {
-  double side = std::min(scan.side_x, scan.side_y);
+double longer_speckle(const HeightField& scan, const SpectrumRequest& request, double longest) {
+  double side = std::min(static_cast<double>(scan.cols() - 1) * scan.dx,
+                         static_cast<double>(scan.rows() - 1) * scan.dy);
   if (const auto* windows = std::get_if<SubWindows>(&request.coherence))
     side = std::min(side, std::sqrt(windows->area));
   if (request.source) side = std::min(side, std::sqrt(coherence_area(longest, *request.source)));
   return longest / (2 * side);
 }
 
-void add_to(std::optional<WavelengthDependence>& dependence, const DiskGrid& grid,
-            const SpectrumRequest& request, const std::vector<double>& lambda_q, const ScanSpectrum& scan) {
-  if (lambda_q.size() < 2) return;
-  if (!dependence) dependence.emplace(grid, lambda_q, longer_speckle(scan, request, lambda_q.back()));
-  dependence->add(scan.tables, scan.area);
+/// Nothing for a single wavelength. `scan` decides on the cells.
+std::optional<WavelengthDependence> make_dependence(const DiskGrid& grid, const SpectrumRequest& request,
+                                                    const std::vector<double>& lambda_q,
+                                                    const HeightField& scan) {
+  if (lambda_q.size() < 2) return std::nullopt;
+  return WavelengthDependence(grid, lambda_q, longer_speckle(scan, request, lambda_q.back()));
 }
 
 std::string percent(double fraction) {
@@ -117,10 +114,6 @@ std::string micrometres(double length) {
   text.precision(4);
   text << length << " µm";
   return text.str();
-}
-
-std::string count(std::int64_t n, const std::string& what) {
-  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
 }
 
 /// What the tables say about how D_K depends on the wavelength.
@@ -138,7 +131,7 @@ Stage dependence_stage(const WavelengthDependence& dependence) {
        << micrometres(dependence.lambda_q()[typical]) << " is within " << percent(distance.beyond())
        << " of every other" << (scatter ? " beyond scatter" : "") << " (tables within "
        << percent(kSameTables) << " are taken for the same)";
-  return {Stage::Outcome::Ran, "dependence on wavelength", text.str()};
+  return ran("dependence on wavelength", text.str());
 }
 
 /// Scans that `auto` judges by, spread over the listing, and the table size that it does with.
@@ -151,18 +144,35 @@ struct Survey {
   std::int64_t scans;
 };
 
-Survey survey(const ScanListing& listing, const Preparation& preparation, const DiskGrid& grid,
-              const SpectrumRequest& request, const AsManyAsNeeded& range,
-              const std::vector<std::size_t>& usable) {
-  const std::size_t surveyed = std::min(kSurveyed, usable.size());
+/// The first scan of a part [begin, end) of the listing that has a surface; which scans fail is only known
+/// when each has had its turn.
+std::optional<HeightField> first_surface(const ScanListing& listing, const Preparation& preparation,
+                                         std::size_t begin, std::size_t end) {
+  for (; begin < end; ++begin)
+    try {
+      HeightField surface = prepare_scan(listing.scans[begin].path, preparation).surface;
+      if (projected_area(surface) > 0) return surface;
+    } catch (const std::exception&) {
+      continue;
+    }
+  return std::nullopt;
+}
+
+/// One surface from each of as many parts of the listing.
+std::vector<HeightField> surveyed_surfaces(const ScanListing& listing, const Preparation& preparation) {
+  const std::size_t n = listing.scans.size(), parts = std::min(kSurveyed, n);
   std::vector<HeightField> surfaces;
-  for (std::size_t k = 0; k < surveyed; ++k)
-    surfaces.push_back(
-        prepare_scan(listing.scans[usable[k * usable.size() / surveyed]].path, preparation).surface);
+  for (std::size_t k = 0; k < parts; ++k)
+    if (auto surface = first_surface(listing, preparation, k * n / parts, (k + 1) * n / parts))
+      surfaces.push_back(std::move(*surface));
+  return surfaces;
+}
+
+Survey survey(const std::vector<HeightField>& surfaces, const DiskGrid& grid, const SpectrumRequest& request,
+              const AsManyAsNeeded& range) {
   const DiskGrid coarse = {std::min(grid.size, kSurveySize), grid.extent};
   // Each wavelength once: later rounds ask for the earlier ones again.
   std::map<double, std::vector<ScanSpectrum>> known;
-  std::int64_t judged = 0;
   const auto dependence_of = [&](const std::vector<double>& lambda_q) {
     std::vector<double> missing;
     for (const double lambda : lambda_q)
@@ -178,31 +188,28 @@ Survey survey(const ScanListing& listing, const Preparation& preparation, const 
         known[missing[k]].push_back(std::move(one));
       }
     }
-    std::optional<WavelengthDependence> dependence;
+    WavelengthDependence dependence = *make_dependence(coarse, request, lambda_q, surfaces.front());
     for (std::size_t s = 0; s < surfaces.size(); ++s) {
-      ScanSpectrum all = known.at(lambda_q.front())[s];
-      all.tables.clear();
+      std::vector<Grid<float>> tables;
       for (const double lambda : lambda_q)
-        all.tables.push_back(known.at(lambda)[s].tables.front());
-      add_to(dependence, coarse, request, lambda_q, all);
+        tables.push_back(known.at(lambda)[s].tables.front());
+      dependence.add(tables, known.at(lambda_q.front())[s].area);
     }
-    judged = static_cast<std::int64_t>(surfaces.size());
-    return *dependence;
+    return dependence;
   };
-  const ChosenWavelengths chosen = choose_wavelengths(range, dependence_of);
-  return {chosen, judged};
+  return {choose_wavelengths(range, dependence_of), static_cast<std::int64_t>(surfaces.size())};
 }
 
 Stage survey_stage(const Survey& survey, const AsManyAsNeeded& range) {
   const std::size_t chosen = survey.chosen.lambda_q.size();
   std::ostringstream text;
   text.precision(4);
-  text << count(static_cast<std::int64_t>(chosen), "wavelength") << " over " << range.shortest << " to "
-       << range.longest << " µm, judged by " << count(survey.scans, "scan") << ": "
+  text << counted(static_cast<std::int64_t>(chosen), "wavelength") << " over " << range.shortest << " to "
+       << range.longest << " µm, judged by " << counted(survey.scans, "scan") << ": "
        << (chosen == 1 ? "the ends" : "neighbours") << " differ by " << percent(survey.chosen.farthest)
        << (survey.scans > 1 ? " beyond scatter, " : ", ") << percent(kSameTables) << " may be ("
        << (chosen == 1 ? "so the middle in 1/λ stands for all" : "halved in 1/λ until they do") << ")";
-  return {Stage::Outcome::Ran, "choice of wavelengths", text.str()};
+  return ran("choice of wavelengths", text.str());
 }
 
 }  // namespace
@@ -238,82 +245,123 @@ ChosenWavelengths choose_wavelengths(
   }
 }
 
-SpectrumOutcome kirchhoff_spectrum(const ScanListing& listing, const Preparation& preparation,
-                                   const DiskGrid& grid, const SpectrumRequest& request,
-                                   const std::function<bool(std::size_t)>& wanted,
-                                   const std::function<void(std::size_t)>& report) {
-  const Stopwatch watch;
-  SpectrumOutcome outcome;
-  const auto left_out = [&](const std::string& reason) {
-    outcome.plan.push_back({Stage::Outcome::LeftOut, "kirchhoff spectrum", reason});
-    return outcome;
-  };
-  std::vector<std::size_t> scans;
-  for (std::size_t k = 0; k < listing.scans.size(); ++k)
-    if (wanted(k)) scans.push_back(k);
-  if (scans.empty()) return left_out("no scan could be used");
+SpectrumSums begin_spectrum(const ScanListing& listing, const Preparation& preparation, const DiskGrid& grid,
+                            const SpectrumRequest& request) {
+  SpectrumSums sums;
   std::vector<double> lambda_q;
+  std::optional<HeightField> first;
+  const Stopwatch watch;
   if (const auto* range = std::get_if<AsManyAsNeeded>(&request.lambda_q)) {
+    std::vector<HeightField> surfaces = surveyed_surfaces(listing, preparation);
+    if (surfaces.empty()) return sums;
     try {
-      const Survey chosen = survey(listing, preparation, grid, request, *range, scans);
+      const Survey chosen = survey(surfaces, grid, request, *range);
       lambda_q = chosen.chosen.lambda_q;
-      outcome.plan.push_back(survey_stage(chosen, *range));
-    } catch (const FileError&) {
-      throw;
+      sums.choice.push_back(survey_stage(chosen, *range));
     } catch (const InputError& error) {  // what is refused to one of the survey's scans is to all
-      for (const std::size_t k : scans)
-        outcome.refusals.push_back({k, error.what()});
-      return left_out(error.what());
+      sums.unfit = error.what();
+      return sums;
     }
+    first = std::move(surfaces.front());
   } else {
     lambda_q = std::get<std::vector<double>>(request.lambda_q);
+    if (lambda_q.size() > 1) first = first_surface(listing, preparation, 0, listing.scans.size());
   }
-  std::vector<WavelengthGroup> groups = make_groups(grid, request, lambda_q);
-  SpectrumOfScans result{.lambda_q = lambda_q,
-                         .mean = SpectrumMean(grid, lambda_q.size()),
-                         .errors = std::vector<ErrorSample>(lambda_q.size()),
-                         .unreached = std::vector<std::int64_t>(lambda_q.size(), 0),
-                         .tolerance = request.tolerance,
-                         .coherence_area = {}};
+  if (first) sums.dependence = make_dependence(grid, request, lambda_q, *first);
+  const std::size_t n = lambda_q.size();
+  sums.spectrum = SpectrumOfScans{.lambda_q = std::move(lambda_q),
+                                  .mean = SpectrumMean(grid, n),
+                                  .errors = std::vector<ErrorSample>(n),
+                                  .unreached = std::vector<std::int64_t>(n, 0),
+                                  .tolerance = request.tolerance,
+                                  .coherence_area = {},
+                                  .seconds = watch.seconds()};
   if (request.source || std::holds_alternative<SubWindows>(request.coherence))
-    for (const WavelengthGroup& group : groups)
-      result.coherence_area.insert(result.coherence_area.end(), group.count,
-                                   std::get<SubWindows>(group.coherence).area);
-  std::optional<WavelengthDependence> dependence;
-  for (const std::size_t k : scans) {
-    try {
-      const HeightField surface = prepare_scan(listing.scans[k].path, preparation).surface;
-      const ScanSpectrum scan = spectrum_of(surface, groups, lambda_q.size());
-      result.mean.add(scan.tables, scan.area);
-      for (std::size_t n = 0; n < lambda_q.size(); ++n) {
-        result.errors[n] += scan.errors[n];
-        result.unreached[n] += scan.unreached[n];
-      }
-      result.windows += scan.windows;
-      result.pitch = std::max(result.pitch, scan.pitch);
-      add_to(dependence, grid, request, lambda_q, scan);
-    } catch (const InputError& error) {
-      outcome.refusals.push_back({k, error.what()});
+    for (const double lambda : sums.spectrum->lambda_q)
+      sums.spectrum->coherence_area.push_back(request.source ? coherence_area(lambda, *request.source)
+                                                             : std::get<SubWindows>(request.coherence).area);
+  return sums;
+}
+
+bool add_up(const SpectrumSums& a, const SpectrumSums& b) {
+  if (a.spectrum.has_value() != b.spectrum.has_value() || a.unfit != b.unfit ||
+      a.dependence.has_value() != b.dependence.has_value())
+    return false;
+  return (!a.spectrum || (a.spectrum->lambda_q == b.spectrum->lambda_q &&
+                          a.spectrum->mean.grid() == b.spectrum->mean.grid())) &&
+         (!a.dependence || a.dependence->cell() == b.dependence->cell());
+}
+
+void merge(SpectrumSums& sums, const SpectrumSums& more) {
+  if (!add_up(sums, more))
+    throw InputError(
+        "the shards' spectra stand on different wavelengths or tables: the directory changed "
+        "between them");
+  if (sums.spectrum) {
+    SpectrumOfScans& all = *sums.spectrum;
+    const SpectrumOfScans& other = *more.spectrum;
+    all.mean.merge(other.mean);
+    for (std::size_t n = 0; n < all.lambda_q.size(); ++n) {
+      all.errors[n] += other.errors[n];
+      all.unreached[n] += other.unreached[n];
     }
-    report(k);
+    all.windows += other.windows;
+    all.pitch = std::max(all.pitch, other.pitch);
+    all.seconds += other.seconds;
   }
-  result.seconds = watch.seconds();
-  std::string done = count(result.mean.count(), "scan") + ", " +
-                     count(static_cast<std::int64_t>(lambda_q.size()), "wavelength") + ", " +
-                     count(result.windows, "coherent window");
-  const std::int64_t unreached =
-      std::accumulate(result.unreached.begin(), result.unreached.end(), std::int64_t{0});
-  if (unreached > 0) done += ", " + count(unreached, "table") + " missed the tolerance";
-  std::map<std::string, std::int64_t> reasons;
-  for (const SpectrumRefusal& refusal : outcome.refusals)
-    ++reasons[refusal.reason];
-  for (const auto& [reason, refused] : reasons)
-    done += "; " + count(refused, "scan") + " left out: " + reason;
-  const bool there = result.mean.count() > 0;
-  outcome.plan.push_back({there ? Stage::Outcome::Ran : Stage::Outcome::LeftOut, "kirchhoff spectrum", done});
-  if (dependence) outcome.plan.push_back(dependence_stage(*dependence));
-  if (there) outcome.spectrum = std::move(result);
-  return outcome;
+  if (sums.dependence) sums.dependence->merge(*more.dependence);
+  add(sums.refusals, more.refusals);
+  sums.looked_at += more.looked_at;
+}
+
+void add_spectra(SpectrumSums& sums, const ScanListing& listing, const Preparation& preparation,
+                 const SpectrumRequest& request, const std::function<bool(std::size_t)>& wanted,
+                 const std::function<void(std::size_t, const std::string&)>& after) {
+  std::vector<WavelengthGroup> groups;  // made when the first scan wants them
+  const auto add = [&](const ListedScan& listed) {
+    SpectrumOfScans& all = *sums.spectrum;
+    const Stopwatch watch;
+    if (groups.empty()) groups = make_groups(all.mean.grid(), request, all.lambda_q);
+    const HeightField surface = prepare_scan(listed.path, preparation).surface;
+    const ScanSpectrum scan = spectrum_of(surface, groups, all.lambda_q.size());
+    all.mean.add(scan.tables, scan.area);
+    for (std::size_t n = 0; n < all.lambda_q.size(); ++n) {
+      all.errors[n] += scan.errors[n];
+      all.unreached[n] += scan.unreached[n];
+    }
+    all.windows += scan.windows;
+    all.pitch = std::max(all.pitch, scan.pitch);
+    if (sums.dependence) sums.dependence->add(scan.tables, scan.area);
+    all.seconds += watch.seconds();
+  };
+  for (auto k = static_cast<std::size_t>(sums.looked_at); k < listing.scans.size(); ++k) {
+    ++sums.looked_at;
+    if (!wanted(k)) continue;
+    std::string refusal = sums.unfit;
+    if (sums.spectrum) try {
+        add(listing.scans[k]);
+      } catch (const InputError& error) {
+        refusal = error.what();
+      }
+    if (!refusal.empty()) ++sums.refusals[refusal];
+    after(k, refusal);
+  }
+}
+
+Plan plan_of(const SpectrumSums& sums) {
+  const std::string name = "kirchhoff spectrum", refused = to_text(sums.refusals);
+  if (!sums.spectrum || sums.spectrum->mean.count() == 0)
+    return {left_out(name, refused.empty() ? "no scan could be used" : refused)};
+  const SpectrumOfScans& all = *sums.spectrum;
+  std::string done = counted(all.mean.count(), "scan") + ", " +
+                     counted(static_cast<std::int64_t>(all.lambda_q.size()), "wavelength") + ", " +
+                     counted(all.windows, "coherent window");
+  const std::int64_t unreached = std::accumulate(all.unreached.begin(), all.unreached.end(), std::int64_t{0});
+  if (unreached > 0) done += ", " + counted(unreached, "table") + " missed the tolerance";
+  Plan plan = sums.choice;
+  plan.push_back(ran(name, done + (refused.empty() ? "" : "; " + refused)));
+  if (sums.dependence) plan.push_back(dependence_stage(*sums.dependence));
+  return plan;
 }
 
 }  // namespace micro

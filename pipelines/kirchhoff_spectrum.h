@@ -48,25 +48,38 @@ struct SpectrumOfScans {
   double valid_sin_theta(std::size_t wavelength) const;
 };
 
-/// A scan that D_K's spectrum was refused for, by its place in the listing.
-struct SpectrumRefusal {
-  std::size_t scan;
-  std::string reason;
+/// What a run has gathered of its spectrum. Beside the tables of SpectrumMean it takes 16 bytes a cell (at
+/// most 100² of them) and wavelength.
+struct SpectrumSums {
+  std::optional<SpectrumOfScans> spectrum;         ///< nothing if no wavelengths could be chosen
+  std::optional<WavelengthDependence> dependence;  ///< of two wavelengths or more
+  std::string unfit;                               ///< why it applies to no scan at all, or empty
+  Refusals refusals;
+  Plan choice;                 ///< how the wavelengths were chosen
+  std::int64_t looked_at = 0;  ///< scans of the listing, from its first on
 };
 
-struct SpectrumOutcome {
-  std::optional<SpectrumOfScans> spectrum;  ///< nothing if no scan gave any
-  std::vector<SpectrumRefusal> refusals;
-  Plan plan;
-};
+/// Sums that nothing has been added to. The whole listing decides on the wavelengths and on the cells that
+/// they are compared over, so that its shards agree.
+SpectrumSums begin_spectrum(const ScanListing& listing, const Preparation& preparation, const DiskGrid& grid,
+                            const SpectrumRequest& request);
 
-/// Computes the tables of every scan that `wanted` says yes to and averages them, weighted by projected area.
-/// One scan at a time, on all threads: a spectrum's tables are large. Its plan says how weakly D_K depends on
-/// the wavelength on these scans, and whether one would have done. Calls `report` after each scan.
-SpectrumOutcome kirchhoff_spectrum(const ScanListing& listing, const Preparation& preparation,
-                                   const DiskGrid& grid, const SpectrumRequest& request,
-                                   const std::function<bool(std::size_t)>& wanted,
-                                   const std::function<void(std::size_t)>& report);
+/// Whether both stand on the same tables, wavelengths and cells.
+bool add_up(const SpectrumSums& a, const SpectrumSums& b);
+
+/// Adds what another shard's sums hold. Throws InputError if they do not add up.
+void merge(SpectrumSums& sums, const SpectrumSums& more);
+
+/// Adds the tables of every scan that was not looked at yet and that `wanted` says yes to, weighted by
+/// projected area. One scan at a time, on all threads: a spectrum's tables are large. Calls after(k, refusal)
+/// with each scan's place in the listing and the reason why it was refused, or an empty one; what it throws
+/// goes through.
+void add_spectra(SpectrumSums& sums, const ScanListing& listing, const Preparation& preparation,
+                 const SpectrumRequest& request, const std::function<bool(std::size_t)>& wanted,
+                 const std::function<void(std::size_t, const std::string&)>& after);
+
+/// What was done, and how weakly D_K depends on the wavelength on these scans: whether one would have done.
+Plan plan_of(const SpectrumSums& sums);
 
 /// Tables whose distance (wavelength_dependence.h) beyond what scatter explains stays below this are taken
 /// for the same.

@@ -10,7 +10,7 @@ namespace {
 
 ScanNdf counted(const NormalCounts& counts) {
   ScanNdf ndf;
-  ndf.density = density(counts);
+  ndf.density = sparse_density(counts);
   ndf.samples = counts.total;
   ndf.outside = counts.outside;
   return ndf;
@@ -42,7 +42,7 @@ ScanNdf NdfEstimator::compute(const Filtered& filtered, const HeightField& surfa
 ScanNdf NdfEstimator::compute(const Kirchhoff&, const HeightField& surface) const {
   ScanNdf ndf;
   KirchhoffEstimate estimate = (*kirchhoff_)(surface);
-  ndf.density = {grid_, std::move(estimate.density)};
+  ndf.density = DiskTable{grid_, std::move(estimate.density)};
   ndf.samples = estimate.windows;
   ndf.kirchhoff = std::move(estimate);
   return ndf;

@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "distribution/disk_table.h"
+#include "distribution/sparse_table.h"
 #include "height/height_field.h"
 #include "pipelines/kirchhoff_estimate.h"
 
@@ -33,7 +34,7 @@ std::string filtered_name(double sigma);
 
 /// One method's outcome on one scan.
 struct ScanNdf {
-  DiskTable density;
+  std::variant<DiskTable, SparseTable> density;  ///< sparse where it is a histogram
   std::int64_t samples = 0, outside = 0, without_normal = 0;
   std::optional<double> truncation_error;
   std::optional<KirchhoffEstimate> kirchhoff;  ///< without its density

@@ -38,6 +38,11 @@ GridOfMethod make_grid(int size, double extent, double whole) {
   return grid;
 }
 
+DiskTable table_of(const ScanNdf& ndf) {
+  const auto* sparse = std::get_if<SparseTable>(&ndf.density);
+  return sparse ? dense(*sparse) : std::get<DiskTable>(ndf.density);
+}
+
 /// Half widths that hold the energy of a few scans spread over the listing.
 std::vector<double> survey(const ScanListing& listing, const NdfRequest& request,
                            const std::vector<double>& whole) {
@@ -61,7 +66,7 @@ std::vector<double> survey(const ScanListing& listing, const NdfRequest& request
       [&](std::int64_t, const ScanOutcome& outcome) {
         for (std::size_t m = 0; m < extents.size(); ++m)
           if (outcome.ndfs[m])
-            extents[m] = std::max(extents[m], kMargin * extent_holding(outcome.ndfs[m]->density, kEnergy));
+            extents[m] = std::max(extents[m], kMargin * extent_holding(table_of(*outcome.ndfs[m]), kEnergy));
       });
   // A blurred lobe needs room for the signature's reach as well.
   const double reach =

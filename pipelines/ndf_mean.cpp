@@ -26,7 +26,7 @@ NdfMean::NdfMean(const NdfMethod& method, const DiskGrid& grid, std::optional<Di
 
 void NdfMean::add(const ScanNdf& scan, double area, double pitch) {
   if (scan.samples == 0) return;
-  mean_.add(scan.density, area);
+  std::visit([&](const auto& table) { mean_.add(table, area); }, scan.density);
   ndf_.samples += scan.samples;
   outside_ += scan.outside;
   ndf_.without_normal += scan.without_normal;

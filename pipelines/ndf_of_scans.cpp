@@ -158,10 +158,32 @@ class CheckpointKeeper {
   double cost_ = 0;
 };
 
+/// Tells of each scan; after it the run may stop, or its sums are kept.
+class Steps {
+ public:
+  Steps(const NdfRequest& request, const std::function<void(const Progress&)>& report, const Course& course)
+      : report_(report), course_(course), checkpoint_(request, course) {}
+
+  void after(std::int64_t done, std::int64_t total, const RunSums& sums) {
+    report_({done, total, sums.scans[static_cast<std::size_t>(done - 1)].source});
+    if (course_.interrupted()) {
+      checkpoint_.keep(sums);
+      throw Interrupted("interrupted after " + std::to_string(done) + " of " + counted(total, "scan") +
+                        (sums.spectrum ? " of the spectrum" : "") +
+                        (course_.checkpoint.empty() ? "" : "; the same command goes on from there"));
+    }
+    checkpoint_.consider(sums);
+  }
+
+ private:
+  const std::function<void(const Progress&)>& report_;
+  const Course& course_;
+  CheckpointKeeper checkpoint_;
+};
+
 /// Looks at the scans that the sums do not hold yet.
 void gather(const ScanListing& listing, const NdfRequest& request, const Estimators& estimators,
-            const std::function<void(const Progress&)>& report, const Course& course, RunSums& sums) {
-  CheckpointKeeper checkpoint(request, course);
+            RunSums& sums, Steps& steps) {
   const auto total = static_cast<std::int64_t>(listing.scans.size()),
              first = static_cast<std::int64_t>(sums.scans.size());
   parallel_in_order(
@@ -172,21 +194,28 @@ void gather(const ScanListing& listing, const NdfRequest& request, const Estimat
       },
       [&](std::int64_t k, ScanOutcome outcome) {
         add_outcome(sums, std::move(outcome));
-        report({first + k + 1, total, sums.scans.back().source});
-        if (course.interrupted()) {
-          checkpoint.keep(sums);
-          throw Interrupted("interrupted after " + std::to_string(first + k + 1) + " of " +
-                            counted(total, "scan") +
-                            (course.checkpoint.empty() ? "" : "; the same command goes on from there"));
-        }
-        checkpoint.consider(sums);
+        steps.after(first + k + 1, total, sums);
       });
 }
 
-using AddSpectrum = std::function<void(NdfResult&)>;
+/// Then the spectrum, of the scans that had no failure. `listing` is that of all shards.
+void gather_spectrum(const ScanListing& listing, const ScanListing& own, const NdfRequest& request,
+                     RunSums& sums, Steps& steps) {
+  SpectrumSums start =
+      begin_spectrum(listing, request.prepare, spectrum_grid(listing, request), *request.spectrum);
+  if (!sums.spectrum || !add_up(*sums.spectrum, start)) sums.spectrum = std::move(start);
+  const auto total = static_cast<std::int64_t>(own.scans.size());
+  add_spectra(
+      *sums.spectrum, own, request.prepare, *request.spectrum,
+      [&](std::size_t k) { return !sums.scans[k].failure; },
+      [&](std::size_t k, const std::string& refusal) {
+        if (!refusal.empty() && request.unfit == NdfRequest::Unfit::Fail) sums.scans[k].failure = refusal;
+        steps.after(static_cast<std::int64_t>(k) + 1, total, sums);
+      });
+}
 
 /// Means, plan and signature from the sums of all scans.
-NdfResult finish(RunSums sums, const NdfRequest& request, const AddSpectrum& add_spectrum) {
+NdfResult finish(RunSums sums, const NdfRequest& request) {
   NdfResult result;
   result.scans = std::move(sums.scans);
   result.thumbnails = std::move(sums.thumbnails);
@@ -202,7 +231,11 @@ NdfResult finish(RunSums sums, const NdfRequest& request, const AddSpectrum& add
     add_stages(sums.directions->plan());
     result.directions = sums.directions->finish();
   }
-  add_spectrum(result);
+  if (sums.spectrum) {
+    add_stages(plan_of(*sums.spectrum));
+    if (sums.spectrum->spectrum && sums.spectrum->spectrum->mean.count() > 0)
+      result.spectrum = std::move(sums.spectrum->spectrum);
+  }
   const bool errors = std::any_of(result.ndfs.begin(), result.ndfs.end(),
                                   [](const NdfOfScans& ndf) { return ndf.standard_error.has_value(); }) ||
                       (result.directions && result.directions->standard_error) ||
@@ -260,35 +293,23 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
     }
   Estimators estimators = make_estimators(request, grids);
   if (request.directions)
-    estimators.directions = std::make_unique<KirchhoffScans>(
-        request.directions->kirchhoff, choose_directions(listing, request), DiskGrid{request.size, 1});
-  gather(own, request, estimators, report, course, sums);
+    estimators.directions = std::make_unique<KirchhoffScans>(request.directions->kirchhoff,
+                                                             sums.directions->h(), DiskGrid{request.size, 1});
+  Steps steps(request, report, course);
+  gather(own, request, estimators, sums, steps);
+  if (request.spectrum) gather_spectrum(listing, own, request, sums, steps);
 
   std::shared_ptr<ShardSums> shard;
   if (course.shard.count > 1) shard = std::make_shared<ShardSums>(ShardSums{request, course.shard, sums});
-  NdfResult result = finish(std::move(sums), request, [&](NdfResult& unfinished) {
-    if (!request.spectrum) return;
-    const auto total = static_cast<std::int64_t>(own.scans.size());
-    SpectrumOutcome outcome = kirchhoff_spectrum(
-        own, request.prepare, spectrum_grid(own, request), *request.spectrum,
-        [&](std::size_t k) { return !unfinished.scans[k].failure; },
-        [&](std::size_t k) {
-          report({static_cast<std::int64_t>(k) + 1, total, own.scans[k].source});
-        });
-    unfinished.spectrum = std::move(outcome.spectrum);
-    for (const SpectrumRefusal& refusal : outcome.refusals)
-      if (request.unfit == NdfRequest::Unfit::Fail) unfinished.scans[refusal.scan].failure = refusal.reason;
-    unfinished.plan.insert(unfinished.plan.end(), outcome.plan.begin(), outcome.plan.end());
-  });
+  NdfResult result = finish(std::move(sums), request);
   result.resumed = resumed;
   result.shard = std::move(shard);
   return result;
 }
 
-NdfResult ndf_of_shards(std::vector<ShardSums> shards) {
-  ShardSums all = join(std::move(shards));
-  if (all.request.pitches == NdfRequest::Pitches::MustAgree) require_one_pitch(all.sums.scans);
-  return finish(std::move(all.sums), all.request, [](NdfResult&) {});
+NdfResult ndf_of_shards(ShardSums joined) {
+  if (joined.request.pitches == NdfRequest::Pitches::MustAgree) require_one_pitch(joined.sums.scans);
+  return finish(std::move(joined.sums), joined.request);
 }
 
 }  // namespace micro

@@ -109,7 +109,7 @@ class Interrupted : public std::runtime_error {
 NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
                        const std::function<void(const Progress&)>& report, const Course& course = {});
 
-/// What one run over all scans would have given, from the sums of its shards.
-NdfResult ndf_of_shards(std::vector<ShardSums> shards);
+/// What one run over all scans would have given, from the joined sums of its shards (run_sums.h).
+NdfResult ndf_of_shards(ShardSums joined);
 
 }  // namespace micro

@@ -70,6 +70,23 @@ void persist(Archive& archive, Shard& shard) {
   archive(shard.index, shard.count);
 }
 template <typename Archive>
+void persist(Archive& archive, ErrorSample& sample) {
+  archive(sample.nodes, sample.squared, sample.squared_core_free, sample.significant, sample.significant_bad);
+}
+template <typename Archive>
+void persist(Archive& archive, SpectrumOfScans& spectrum) {
+  archive(spectrum.lambda_q, spectrum.mean, spectrum.errors, spectrum.unreached, spectrum.tolerance,
+          spectrum.coherence_area, spectrum.windows, spectrum.pitch, spectrum.seconds);
+}
+template <typename Archive>
+void persist(Archive& archive, Stage& stage) {
+  archive(stage.outcome, stage.name, stage.reason);
+}
+template <typename Archive>
+void persist(Archive& archive, SpectrumSums& sums) {
+  archive(sums.spectrum, sums.dependence, sums.unfit, sums.refusals, sums.choice, sums.looked_at);
+}
+template <typename Archive>
 void persist(Archive& archive, ScanRecord& scan) {
   archive(scan.source, scan.sha256, scan.format, scan.rows, scan.cols, scan.missing, scan.holes, scan.dx,
           scan.dy, scan.rejected, scan.filled, scan.Sq, scan.Sdq, scan.failure);
@@ -80,20 +97,19 @@ namespace {
 // Sums have no state worth the name before they are read.
 constexpr DiskGrid kNoGrid = {3, 1};
 
-void persist_sums(ArchiveWriter& archive, RunSums& sums) {
-  auto means = static_cast<std::uint32_t>(sums.means.size());
-  bool directions = sums.directions.has_value();
-  archive(sums.scans, means, directions, sums.thumbnails);
-  for (NdfMean& mean : sums.means)
+void persist_sums(ArchiveWriter& archive, const RunSums& sums) {
+  archive(sums.scans, static_cast<std::uint32_t>(sums.means.size()), sums.directions.has_value(),
+          sums.thumbnails, sums.spectrum);
+  for (const NdfMean& mean : sums.means)
     archive(mean);
-  if (directions) archive(*sums.directions);
+  if (sums.directions) archive(*sums.directions);
 }
 
 void persist_sums(ArchiveReader& archive, RunSums& sums) {
   constexpr std::uint32_t kMostMethods = 1000;
   std::uint32_t means = 0;
   bool directions = false;
-  archive(sums.scans, means, directions, sums.thumbnails);
+  archive(sums.scans, means, directions, sums.thumbnails, sums.spectrum);
   if (means > kMostMethods) throw BrokenArchive();
   sums.means.assign(means, NdfMean({}, kNoGrid, {}));
   for (NdfMean& mean : sums.means)
@@ -103,16 +119,14 @@ void persist_sums(ArchiveReader& archive, RunSums& sums) {
 
 /// Bytes of another version may mean something else.
 std::string layout_of_this_version() {
-  return "1 of microbrdf " + std::string(version());
+  return "2 of microbrdf " + std::string(version());
 }
 
-template <typename Archive>
-void persist_shard(Archive& archive, ShardSums& shard) {
-  std::string layout = layout_of_this_version();
-  archive(layout);
-  if (layout != layout_of_this_version()) throw BrokenArchive();
-  archive(shard.request, shard.shard);
-  persist_sums(archive, shard.sums);
+std::vector<std::uint8_t> bytes_of(const NdfRequest& request, const Shard& shard, const RunSums& sums) {
+  ArchiveWriter archive;
+  archive(layout_of_this_version(), request, shard);
+  persist_sums(archive, sums);
+  return std::move(archive).bytes();
 }
 
 /// Whether a file still has the hash that was noted; a file that could not be read then must still not be
@@ -130,23 +144,22 @@ bool is_unchanged(const ScanRecord& record, const ListedScan& scan) {
 
 std::vector<std::uint8_t> key_of(const NdfRequest& request) {
   ArchiveWriter archive;
-  NdfRequest copy = request;
-  std::string layout = layout_of_this_version();
-  archive(layout, copy);
-  return archive.bytes();
+  archive(layout_of_this_version(), request);
+  return std::move(archive).bytes();
 }
 
 std::vector<std::uint8_t> to_bytes(const ShardSums& shard) {
-  ArchiveWriter archive;
-  ShardSums copy = shard;
-  persist_shard(archive, copy);
-  return archive.bytes();
+  return bytes_of(shard.request, shard.shard, shard.sums);
 }
 
 ShardSums shard_from(const std::vector<std::uint8_t>& bytes) {
   ArchiveReader archive(bytes);
   ShardSums shard;
-  persist_shard(archive, shard);
+  std::string layout;
+  archive(layout);
+  if (layout != layout_of_this_version()) throw BrokenArchive();
+  archive(shard.request, shard.shard);
+  persist_sums(archive, shard.sums);
   if (!archive.at_end()) throw BrokenArchive();
   return shard;
 }
@@ -155,7 +168,7 @@ void write_checkpoint(const std::filesystem::path& path, const NdfRequest& reque
                       const RunSums& sums) {
   Hdf5Writer file(path);
   write_origin(file, origin_of("checkpoint"));
-  const std::vector<std::uint8_t> bytes = to_bytes({request, shard, sums});
+  const std::vector<std::uint8_t> bytes = bytes_of(request, shard, sums);
   file.write<std::uint8_t>("/state", bytes, {bytes.size()});
   file.finish();
 }
@@ -189,48 +202,48 @@ ScanListing scans_of(const Shard& shard, const ScanListing& listing) {
   return own;
 }
 
-ShardSums join(std::vector<ShardSums> shards) {
-  if (shards.empty()) throw InputError("there is no shard to join");
-  std::sort(shards.begin(), shards.end(),
-            [](const ShardSums& a, const ShardSums& b) { return a.shard.index < b.shard.index; });
-  const int count = shards.front().shard.count;
-  const std::vector<std::uint8_t> key = key_of(shards.front().request);
-  for (std::size_t k = 0; k < shards.size(); ++k) {
-    const Shard& shard = shards[k].shard;
-    if (shard.count != count)
-      throw InputError("shards of different runs: " + to_text(shards.front().shard) + " and " +
-                       to_text(shard));
-    if (k > 0 && shard.index == shards[k - 1].shard.index)
-      throw InputError("shard " + to_text(shard) + " is there twice");
-    if (key_of(shards[k].request) != key)
-      throw InputError("shards " + to_text(shards.front().shard) + " and " + to_text(shard) +
-                       " were computed with different options");
+void JoinedShards::add(ShardSums shard) {
+  if (!all_) {
+    first_ = shard.shard;
+    key_ = key_of(shard.request);
   }
-  for (int index = 1; index <= count; ++index)
-    if (std::none_of(shards.begin(), shards.end(),
-                     [&](const ShardSums& shard) { return shard.shard.index == index; }))
-      throw InputError("shard " + to_text(Shard{index, count}) + " is missing");
+  if (shard.shard.count != first_.count)
+    throw InputError("shards of different runs: " + to_text(first_) + " and " + to_text(shard.shard));
+  if (!records_.emplace(shard.shard.index, std::move(shard.sums.scans)).second)
+    throw InputError("shard " + to_text(shard.shard) + " is there twice");
+  if (key_of(shard.request) != key_)
+    throw InputError("shards " + to_text(first_) + " and " + to_text(shard.shard) +
+                     " were computed with different options");
+  if (!all_) {
+    all_ = std::move(shard);
+    all_->shard = {};
+    all_->sums.thumbnails.clear();
+    return;
+  }
+  RunSums &sums = all_->sums, &more = shard.sums;
+  for (std::size_t m = 0; m < sums.means.size(); ++m)
+    sums.means[m].merge(more.means[m]);
+  if (sums.directions) sums.directions->merge(*more.directions);
+  if (sums.spectrum) merge(*sums.spectrum, *more.spectrum);
+}
 
-  ShardSums all = std::move(shards.front());
-  std::vector<std::vector<ScanRecord>> records = {std::move(all.sums.scans)};
-  for (std::size_t k = 1; k < shards.size(); ++k) {
-    RunSums& more = shards[k].sums;
-    for (std::size_t m = 0; m < all.sums.means.size(); ++m)
-      all.sums.means[m].merge(more.means[m]);
-    if (all.sums.directions) all.sums.directions->merge(*more.directions);
-    records.push_back(std::move(more.scans));
-  }
-  all.shard = {};
-  all.sums.scans.clear();
-  all.sums.thumbnails.clear();
+ShardSums JoinedShards::finish() && {
+  if (!all_) throw InputError("there is no shard to join");
+  for (int index = 1; index <= first_.count; ++index)
+    if (!records_.contains(index))
+      throw InputError("shard " + to_text(Shard{index, first_.count}) + " is missing");
+  std::vector<ScanRecord>& scans = all_->sums.scans;
+  scans.clear();
   std::set<std::string> sources;
-  for (std::size_t row = 0; row < records.front().size(); ++row)
-    for (const std::vector<ScanRecord>& of_shard : records)
-      if (row < of_shard.size()) all.sums.scans.push_back(of_shard[row]);
-  for (const ScanRecord& scan : all.sums.scans)
-    if (!sources.insert(scan.source).second)
-      throw InputError("two shards hold the scan " + scan.source + ": the directory changed between them");
-  return all;
+  for (std::size_t row = 0; row < records_.begin()->second.size(); ++row)
+    for (auto& [index, of_shard] : records_) {
+      if (row >= of_shard.size()) continue;
+      if (!sources.insert(of_shard[row].source).second)
+        throw InputError("two shards hold the scan " + of_shard[row].source +
+                         ": the directory changed between them");
+      scans.push_back(std::move(of_shard[row]));
+    }
+  return std::move(*all_);
 }
 
 }  // namespace micro

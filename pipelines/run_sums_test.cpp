@@ -40,6 +40,7 @@ class RunSumsOfScans : public ::testing::Test {
     request.methods = {
         {"naive", Naive{}}, {"filtered", Filtered{0.5}}, {"kirchhoff", Kirchhoff{.tolerance = 1e-2}}};
     request.directions = DirectionsRequest{3, Kirchhoff{}};
+    request.spectrum = SpectrumRequest{std::vector<double>{0.5, 0.6}, 1e-2, WholePatch{}, {}};
     request.size = 33;
     request.thumbnails = 2;
     return request;
@@ -91,6 +92,29 @@ void expect_equal(const NdfResult& got, const NdfResult& want, double tolerance)
     EXPECT_LE((*a.standard_error - *b.standard_error).abs().maxCoeff(),
               digits * b.standard_error->maxCoeff());
   }
+  ASSERT_TRUE(got.spectrum && want.spectrum);
+  const SpectrumOfScans &a = *got.spectrum, &b = *want.spectrum;
+  ASSERT_EQ(a.lambda_q, b.lambda_q);
+  EXPECT_EQ(a.mean.count(), b.mean.count());
+  EXPECT_EQ(a.windows, b.windows);
+  EXPECT_EQ(a.unreached, b.unreached);
+  for (std::size_t k = 0; k < a.lambda_q.size(); ++k) {
+    EXPECT_NEAR(a.rel_error(k), b.rel_error(k), kRounding);
+    expect_close(a.mean.mean(k).density, b.mean.mean(k).density);
+    // Deviations are summed in float.
+    const Grid<double> error = *b.mean.standard_error(k);
+    EXPECT_LE((*a.mean.standard_error(k) - error).abs().maxCoeff(),
+              (tolerance > 0 ? 1e-5 : 0) * error.maxCoeff());
+  }
+  const auto of_spectrum = [](const NdfResult& result) {
+    std::map<std::string, std::string> reasons;
+    for (const Stage& stage : result.plan)
+      if (stage.name == "kirchhoff spectrum" || stage.name == "dependence on wavelength")
+        reasons[stage.name] = stage.reason;
+    return reasons;
+  };
+  EXPECT_EQ(of_spectrum(got), of_spectrum(want));
+  EXPECT_EQ(of_spectrum(got).size(), 2u);
   ASSERT_TRUE(got.directions && want.directions);
   for (std::size_t k = 0; k < want.directions->density.size(); ++k)
     EXPECT_NEAR(got.directions->density[k], want.directions->density[k],
@@ -100,11 +124,11 @@ void expect_equal(const NdfResult& got, const NdfResult& want, double tolerance)
 TEST_F(RunSumsOfScans, AStoppedRunGoesOnToTheSameResult) {
   const NdfResult undisturbed = run();
   ASSERT_EQ(undisturbed.ndfs.size(), 3u);
-  for (int scans = 1; scans <= 7; ++scans) {
+  for (int scans = 1; scans <= 7 + 6; ++scans) {  // the spectrum comes behind, without the broken one
     SCOPED_TRACE(scans);
     stop_after(scans);
     const NdfResult resumed = run({.checkpoint = checkpoint()});
-    EXPECT_EQ(resumed.resumed, scans);
+    EXPECT_EQ(resumed.resumed, std::min(scans, 7));
     expect_equal(resumed, undisturbed, 0);
     EXPECT_EQ(resumed.thumbnails.size(), undisturbed.thumbnails.size());
     fs::remove(checkpoint());
@@ -159,11 +183,27 @@ TEST_F(RunSumsOfScans, ShardsGiveWhatOneRunGives) {
   const NdfResult whole = run();
   for (const int count : {2, 3, 9}) {  // 9: two shards hold no scan
     SCOPED_TRACE(count);
-    std::vector<ShardSums> shards;
+    JoinedShards shards;
     for (int index = count; index >= 1; --index)
-      shards.push_back(shard(index, count));
-    expect_equal(ndf_of_shards(std::move(shards)), whole, kRounding);
+      shards.add(shard(index, count));
+    expect_equal(ndf_of_shards(std::move(shards).finish()), whole, kRounding);
   }
+}
+
+TEST_F(RunSumsOfScans, ShardsAgreeOnTheWavelengthsThatAreChosen) {
+  NdfRequest chooses;
+  chooses.spectrum = SpectrumRequest{AsManyAsNeeded{}, 1e-2, WholePatch{}, {}};
+  chooses.size = 33;
+  chooses.statistics = NdfRequest::Statistics::LeaveOut;
+  const NdfResult whole = run({}, chooses);
+  JoinedShards shards;
+  for (const int index : {1, 2})
+    shards.add(shard(index, 2, chooses));
+  const NdfResult joined = ndf_of_shards(std::move(shards).finish());
+  ASSERT_TRUE(whole.spectrum && joined.spectrum);
+  EXPECT_EQ(joined.spectrum->lambda_q, whole.spectrum->lambda_q);
+  EXPECT_LE((joined.spectrum->mean.mean(0).density - whole.spectrum->mean.mean(0).density).abs().maxCoeff(),
+            kRounding * whole.spectrum->mean.mean(0).density.maxCoeff());
 }
 
 TEST_F(RunSumsOfScans, ShardsThatDoNotBelongTogetherAreRefused) {
@@ -171,9 +211,12 @@ TEST_F(RunSumsOfScans, ShardsThatDoNotBelongTogetherAreRefused) {
   NdfRequest other = request();
   other.prepare.level = Level::None;
   const ShardSums unlevelled = shard(2, 2, other);
-  const auto sentence = [](std::vector<ShardSums> shards) {
+  const auto sentence = [](const std::vector<ShardSums>& shards) {
     try {
-      join(std::move(shards));
+      JoinedShards joined;
+      for (const ShardSums& each : shards)
+        joined.add(each);
+      std::move(joined).finish();
     } catch (const InputError& error) {
       return std::string(error.what());
     }
@@ -181,7 +224,7 @@ TEST_F(RunSumsOfScans, ShardsThatDoNotBelongTogetherAreRefused) {
   };
   EXPECT_EQ(sentence({one}), "shard 2/2 is missing");
   EXPECT_EQ(sentence({two, two}), "shard 2/2 is there twice");
-  EXPECT_EQ(sentence({two, third}), "shards of different runs: 1/3 and 2/2");
+  EXPECT_EQ(sentence({two, third}), "shards of different runs: 2/2 and 1/3");
   EXPECT_EQ(sentence({one, unlevelled}), "shards 1/2 and 2/2 were computed with different options");
   ShardSums again = one;
   again.shard.index = 2;

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/parallel.h"
 
 namespace micro {
@@ -52,6 +53,17 @@ void WavelengthDependence::add(const std::vector<Grid<float>>& tables, double we
   sum_ += weight * cells;
   sum2_ += weight * weight * cells;
   gram2_ += weight * weight * (cells.transpose() * cells);
+}
+
+void WavelengthDependence::merge(const WavelengthDependence& other) {
+  if (!(other.grid_ == grid_) || other.lambda_q_ != lambda_q_ || other.cell_ != cell_)
+    throw InputError("spectra of different tables, wavelengths or cells do not add up");
+  scans_ += other.scans_;
+  weight_ += other.weight_;
+  weight2_ += other.weight2_;
+  sum_ += other.sum_;
+  sum2_ += other.sum2_;
+  gram2_ += other.gram2_;
 }
 
 double WavelengthDependence::Distance::beyond() const {

@@ -16,12 +16,22 @@ namespace micro {
 /// squares. One scan does not know its scatter: its distance stays as it is.
 class WavelengthDependence {
  public:
+  /// Of no wavelength, to be read from an archive.
+  WavelengthDependence() = default;
   /// `longer_speckle`: λ_q/(2L), L the patch's shorter side, at the longest wavelength: cells are three times
   /// as wide, at least six nodes, and at least a hundredth of the table.
   WavelengthDependence(const DiskGrid& grid, std::vector<double> lambda_q, double longer_speckle);
 
   /// One scan's tables, with its weight A_perp (µm²).
   void add(const std::vector<Grid<float>>& tables, double weight);
+
+  /// Adds what another sum over the same wavelengths and cells holds. Throws InputError if they differ.
+  void merge(const WavelengthDependence& other);
+
+  template <typename Archive>
+  void persist(Archive& archive) {
+    archive(grid_, lambda_q_, cell_, cell_of_, cells_, scans_, weight_, weight2_, sum_, sum2_, gram2_);
+  }
 
   double cell() const { return cell_; }  ///< in m_xy
   std::int64_t scans() const { return scans_; }
@@ -43,9 +53,9 @@ class WavelengthDependence {
  private:
   DiskGrid grid_;
   std::vector<double> lambda_q_;
-  double cell_;
+  double cell_ = 0;
   std::vector<std::int32_t> cell_of_;  // of each column or row
-  int cells_;                          // along a side
+  int cells_ = 0;                      // along a side
   std::int64_t scans_ = 0;
   double weight_ = 0, weight2_ = 0;
   Eigen::MatrixXd sum_, sum2_;  // [cells², λ] Σ A·D, Σ A²·D

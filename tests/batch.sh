@@ -136,6 +136,21 @@ cp scans/7.dat scans/8.dat moving/
 expect_code 0 "after the files came back" "$program" run moving -o from_moving --without kirchhoff,pictures --size 257
 compare from_moving/result.h5 "after the files came back"
 
+# A file that grows while it is read is a failure by name (its hash and its heights would be of two files), or was
+# read between two of its changes; the rest goes on.
+cp -r scans growing
+while printf more >>growing/5.dat; do :; done &
+writer=$!
+"$program" run growing -o from_growing --without kirchhoff,pictures --size 257 --threads 1 >out.txt 2>err.txt
+result=$?
+kill "$writer"
+wait "$writer" 2>/dev/null
+[[ $result -le 1 ]] || fail "a file that grows: exit code $result"
+[[ $result -ne 1 ]] || expect_said "5.dat: changed while it was read" "a file that grows"
+cp scans/5.dat growing/
+expect_code 0 "after the file was put back" "$program" run growing -o from_growing --without kirchhoff,pictures --size 257
+compare from_growing/result.h5 "after the file was put back"
+
 # A disk that is full.
 mkdir full
 if [[ $(id -u) -eq 0 ]] && mount -t tmpfs -o size=2m tmpfs full 2>/dev/null; then

@@ -39,13 +39,10 @@ void add_course_options(CLI::App& app, CourseOptions& options) {
                  "i/n: only every n-th scan, beginning with the i-th; microbrdf merge joins the n results");
 }
 
-Course make_course(const CourseOptions& options, const NdfRequest& request,
-                   const std::filesystem::path& checkpoint) {
+Course make_course(const CourseOptions& options, const std::filesystem::path& checkpoint) {
   Course course;
   course.checkpoint = checkpoint;
   if (!options.shard.empty()) course.shard = shard_of(options.shard);
-  if (course.shard.count > 1 && request.spectrum)
-    throw CLI::ValidationError("--shard: a spectrum (--lambda-q A..B) is not joined from shards");
   stop_on_signals();
   course.interrupted = [] { return stop_asked != 0; };
   return course;

@@ -17,10 +17,8 @@ struct CourseOptions {
 void add_course_options(CLI::App& app, CourseOptions& options);
 
 /// The course of a run that keeps unfinished work in `checkpoint`, and stops with it on SIGINT and SIGTERM (a
-/// second one ends the program at once). Throws CLI::ValidationError if --shard is no i/n, or if the request
-/// holds what shards cannot be joined of.
-Course make_course(const CourseOptions& options, const NdfRequest& request,
-                   const std::filesystem::path& checkpoint);
+/// second one ends the program at once). Throws CLI::ValidationError if --shard is no i/n.
+Course make_course(const CourseOptions& options, const std::filesystem::path& checkpoint);
 
 /// Says on stderr what an earlier run had done already.
 void note_resumed(const NdfResult& result);

@@ -21,24 +21,31 @@ struct Options {
   std::string output;
 };
 
-/// One file of a shard.
+/// What a shard's file says of itself.
 struct ShardFile {
-  ShardSums sums;
+  std::filesystem::path path;
+  std::int64_t index;
   bool fitted;
   nlohmann::json plan;
 };
 
-ShardFile read_shard(const std::filesystem::path& path) {
+ShardFile look_at_shard(const std::filesystem::path& path) {
   const Hdf5Reader file(path);
   file.require_complete();
   if (!file.contains("/shard/state")) throw FileError(path, "is no shard: it was not made with --shard");
   try {
-    return {shard_from(file.read<std::uint8_t>("/shard/state")), file.contains("/fit"),
+    return {path, file.integer_attribute("/shard", "index"), file.contains("/fit"),
             nlohmann::json::parse(file.read_text("/plan"))};
-  } catch (const BrokenArchive&) {
-    throw FileError(path, "holds the sums of another version of microbrdf");
   } catch (const nlohmann::json::exception&) {
     throw FileError(path, "holds a plan that is no JSON");
+  }
+}
+
+ShardSums read_shard(const std::filesystem::path& path) {
+  try {
+    return shard_from(Hdf5Reader(path).read<std::uint8_t>("/shard/state"));
+  } catch (const BrokenArchive&) {
+    throw FileError(path, "holds the sums of another version of microbrdf");
   }
 }
 
@@ -53,17 +60,22 @@ void add_other_stages(Plan& plan, const nlohmann::json& of_shard) {
 }
 
 int run(const Options& options, const CLI::App& app) {
-  std::vector<ShardSums> shards;
+  std::vector<ShardFile> files;
+  for (const std::string& path : options.shards)
+    files.push_back(look_at_shard(path));
+  // Added in this order whatever the order on the command line: to the last bit the same sums.
+  std::stable_sort(files.begin(), files.end(),
+                   [](const ShardFile& a, const ShardFile& b) { return a.index < b.index; });
+  const OutputLock lock = OutputLock::of_file(options.output);
+  JoinedShards shards;
   bool fitted = false;
   nlohmann::json plan;
-  for (const std::string& path : options.shards) {
-    ShardFile file = read_shard(path);
-    shards.push_back(std::move(file.sums));
+  for (ShardFile& file : files) {
+    shards.add(read_shard(file.path));
     fitted = fitted || file.fitted;
     if (plan.size() < file.plan.size()) plan = std::move(file.plan);
   }
-  const OutputLock lock = OutputLock::of_file(options.output);
-  NdfResult result = ndf_of_shards(std::move(shards));
+  NdfResult result = ndf_of_shards(std::move(shards).finish());
   if (fitted) {
     std::vector<NdfTable> tables;
     for (const NdfOfScans& ndf : result.ndfs)

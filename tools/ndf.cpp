@@ -27,7 +27,7 @@ int run(const Options& options, const CLI::App& app) {
   const ScanListing listing = list_scans({options.scans.begin(), options.scans.end()}, options.output);
   require_scans(listing, options.scans);
   const OutputLock lock = OutputLock::of_file(options.output);
-  const Course course = make_course(options.course, request, options.output + ".checkpoint");
+  const Course course = make_course(options.course, options.output + ".checkpoint");
   const NdfResult result = ndf_of_scans(listing, request, progress_line(options.common), course);
   note_resumed(result);
   if (!result.empty() || result.shard) write_result(options.output, result, command_line_of(app));

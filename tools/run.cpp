@@ -63,7 +63,7 @@ int run(const Options& options, const CLI::App& app) {
   const ScanListing listing = list_scans({options.directory}, output);
   require_scans(listing, {options.directory});
   const OutputLock lock(output);
-  const Course course = make_course(options.course, request, output / "checkpoint.h5");
+  const Course course = make_course(options.course, output / "checkpoint.h5");
   NdfResult result = ndf_of_scans(listing, request, progress_line(options.common), course);
   note_resumed(result);
   for (const std::string& stage : options.without)

@@ -24,16 +24,18 @@ class BrokenArchive : public std::runtime_error {
 
 /// Values as bytes, in the machine's own order, for another run of the same program. What an archive writes
 /// and reads is said once, in the order of its values: a type has a member `persist(archive)`, or a function
-/// `persist(archive, value)` beside it, that calls archive(a, b, …).
+/// `persist(archive, value)` beside it, that calls archive(a, b, …). Writing changes no value, so constant
+/// ones are written as well.
 class ArchiveWriter {
  public:
   template <typename... T>
-  void operator()(T&... values);
-  const std::vector<std::uint8_t>& bytes() const { return bytes_; }
+  void operator()(const T&... values);
+  const std::vector<std::uint8_t>& bytes() const& { return bytes_; }
+  std::vector<std::uint8_t> bytes() && { return std::move(bytes_); }
 
  private:
   template <typename T>
-  void write(T& value);
+  void write(const T& value);
   void raw(const void* data, std::size_t size) {
     const auto* begin = static_cast<const std::uint8_t*>(data);
     bytes_.insert(bytes_.end(), begin, begin + size);
@@ -109,10 +111,13 @@ template <typename T>
 struct Plain : std::bool_constant<std::is_arithmetic_v<T> || std::is_enum_v<T>> {};
 template <typename T, std::size_t N>
 struct Plain<std::array<T, N>> : Plain<T> {};
+/// Elements that lie in a vector byte beside byte (bool's do not).
+template <typename T>
+constexpr bool kDense = Plain<T>::value && !std::is_same_v<T, bool>;
 }  // namespace detail
 
 template <typename... T>
-void ArchiveWriter::operator()(T&... values) {
+void ArchiveWriter::operator()(const T&... values) {
   (write(values), ...);
 }
 
@@ -122,8 +127,10 @@ void ArchiveReader::operator()(T&... values) {
 }
 
 template <typename T>
-void ArchiveWriter::write(T& value) {
+void ArchiveWriter::write(const T& value) {
   using Kind = detail::Kind<T>;
+  [[maybe_unused]] T& unchanged =
+      const_cast<T&>(value);  // persist reads its values for a writer, and fills them for a reader
   if constexpr (detail::Plain<T>::value) {
     raw(&value, sizeof value);
   } else if constexpr (std::is_same_v<T, std::string>) {
@@ -131,33 +138,36 @@ void ArchiveWriter::write(T& value) {
     raw(value.data(), value.size());
   } else if constexpr (Kind::vector) {
     size(value.size());
-    for (auto& element : value)
-      write(element);
+    if constexpr (detail::kDense<typename T::value_type>) {
+      raw(value.data(), value.size() * sizeof(typename T::value_type));
+    } else {
+      for (const auto& element : value)
+        write(element);
+    }
   } else if constexpr (Kind::optional) {
     const std::uint8_t there = value.has_value() ? 1 : 0;
     raw(&there, 1);
     if (value) write(*value);
   } else if constexpr (Kind::map) {
     size(value.size());
-    for (auto& [key, element] : value) {
-      auto copy = key;
-      write(copy);
+    for (const auto& [key, element] : value) {
+      write(key);
       write(element);
     }
   } else if constexpr (Kind::variant) {
     const auto index = static_cast<std::uint8_t>(value.index());
     raw(&index, 1);
-    std::visit([&](auto& alternative) { write(alternative); }, value);
+    std::visit([&](const auto& alternative) { write(alternative); }, value);
   } else if constexpr (Kind::eigen) {
     size(static_cast<std::size_t>(value.rows()));
     size(static_cast<std::size_t>(value.cols()));
     raw(value.data(), static_cast<std::size_t>(value.size()) * sizeof(typename T::Scalar));
   } else if constexpr (std::is_empty_v<T>) {
     // Says all by its type.
-  } else if constexpr (requires { value.persist(*this); }) {
-    value.persist(*this);
+  } else if constexpr (requires { unchanged.persist(*this); }) {
+    unchanged.persist(*this);
   } else {
-    persist(*this, value);
+    persist(*this, unchanged);
   }
 }
 
@@ -174,10 +184,15 @@ void ArchiveReader::read(T& value) {
     value.resize(size(1));
     raw(value.data(), value.size());
   } else if constexpr (Kind::vector) {
-    const std::size_t n = size(1);
-    value.clear();
-    for (std::size_t k = 0; k < n; ++k)
-      read(value.emplace_back());
+    if constexpr (detail::kDense<typename T::value_type>) {
+      value.resize(size(sizeof(typename T::value_type)));
+      raw(value.data(), value.size() * sizeof(typename T::value_type));
+    } else {
+      const std::size_t n = size(1);
+      value.clear();
+      for (std::size_t k = 0; k < n; ++k)
+        read(value.emplace_back());
+    }
   } else if constexpr (Kind::optional) {
     std::uint8_t there = 0;
     raw(&there, 1);

@@ -43,12 +43,17 @@ void parallel_blocks(std::int64_t n, std::int64_t grain, Body&& body) {
 template <typename Produce, typename Consume>
 void parallel_in_order(std::int64_t n, Produce&& produce, Consume&& consume) {
   using Result = decltype(produce(std::int64_t{}));
-  std::vector<std::optional<Result>> pending(static_cast<std::size_t>(n));
+  // Indices are handed out in order, one to a thread, which keeps it until it is consumed: those at work are
+  // at most as many as there are threads, and follow each other.
+  std::vector<std::optional<Result>> pending(static_cast<std::size_t>(thread_count()));
+  const auto slot = [&](std::int64_t i) -> auto& {
+    return pending[static_cast<std::size_t>(i) % pending.size()];
+  };
   detail::parallel_in_order(
-      n, [&](std::int64_t i) { pending[static_cast<std::size_t>(i)].emplace(produce(i)); },
+      n, [&](std::int64_t i) { slot(i).emplace(produce(i)); },
       [&](std::int64_t i) {
-        consume(i, std::move(*pending[static_cast<std::size_t>(i)]));
-        pending[static_cast<std::size_t>(i)].reset();
+        consume(i, std::move(*slot(i)));
+        slot(i).reset();
       });
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -39,6 +40,24 @@ TEST(Parallel, ConsumesInOrder) {
   ASSERT_EQ(order.size(), 100u);
   for (std::size_t i = 0; i < order.size(); ++i)
     EXPECT_EQ(order[i], static_cast<std::int64_t>(i));
+}
+
+TEST(Parallel, HoldsNoMoreResultsThanThreads) {
+  std::atomic<int> held = 0, most = 0;
+  struct Result {
+    std::shared_ptr<void> life;
+  };
+  parallel_in_order(
+      200,
+      [&](std::int64_t) {
+        const int now = ++held;
+        for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) {
+        }
+        return Result{std::shared_ptr<void>(nullptr, [&](void*) { --held; })};
+      },
+      [](std::int64_t, const Result&) {});
+  EXPECT_LE(most, thread_count());
+  EXPECT_EQ(held, 0);
 }
 
 TEST(Parallel, RethrowsTheFirstException) {

@@ -3,6 +3,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/parallel.h"
 
 namespace micro {
@@ -46,6 +47,47 @@ void SpectrumMean::add(const Grid<float>& table, double weight, Sums& sums) cons
     sums.square[n] =
         static_cast<float>(square - 2 * shift * first + shift * shift * weight2_ + weight2 * rest * rest);
   }
+}
+
+void SpectrumMean::merge(const SpectrumMean& other) {
+  if (!(other.grid_ == grid_) || other.wavelengths() != wavelengths())
+    throw InputError("spectra of different tables or wavelengths have no common mean");
+  if (other.count_ == 0) return;
+  parallel_for(static_cast<std::int64_t>(wavelengths()),
+               [&](std::int64_t k) { merge(other, static_cast<std::size_t>(k)); });
+  count_ += other.count_;
+  weight_ += other.weight_;
+  weight2_ += other.weight2_;
+}
+
+/// With the counts and weights that both have had so far. Each side's sums are moved from its own mean D̄ to
+/// the common one D̄ + δ: Σ A²(D − D̄ − δ) and Σ A²(D − D̄ − δ)².
+void SpectrumMean::merge(const SpectrumMean& other, std::size_t wavelength) {
+  Sums& sums = sums_[wavelength];
+  const Sums& more = other.sums_[wavelength];
+  if (count_ == 0) {
+    sums = more;
+    return;
+  }
+  struct Moments {
+    double first, square;
+  };
+  const auto moved = [](const Sums& own, double weight2, std::size_t n, double shift) {
+    const Moments about = own.first.empty() ? Moments{0, 0} : Moments{own.first[n], own.square[n]};
+    return Moments{about.first - shift * weight2,
+                   about.square - 2 * shift * about.first + shift * shift * weight2};
+  };
+  Sums both{sums.mean, std::vector<float>(nodes_.size()), std::vector<float>(nodes_.size())};
+  const double share = other.weight_ / (weight_ + other.weight_);
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const double shift = share * (more.mean[n] - sums.mean[n]);
+    both.mean[n] += shift;
+    const Moments a = moved(sums, weight2_, n, shift);
+    const Moments b = moved(more, other.weight2_, n, both.mean[n] - more.mean[n]);
+    both.first[n] = static_cast<float>(a.first + b.first);
+    both.square[n] = static_cast<float>(a.square + b.square);
+  }
+  sums = std::move(both);
 }
 
 DiskTable SpectrumMean::mean(std::size_t wavelength) const {

@@ -15,11 +15,22 @@ namespace micro {
 /// and 0.54 GB), however many scans there are.
 class SpectrumMean {
  public:
+  /// Of no wavelength, to be read from an archive.
+  SpectrumMean() = default;
   SpectrumMean(const DiskGrid& grid, std::size_t wavelengths);
 
   /// Adds one scan's tables with its weight, A_perp in µm². A weight of zero (no surface) is counted nowhere.
   /// As many tables of the grid's size as there are wavelengths.
   void add(const std::vector<Grid<float>>& tables, double weight);
+
+  /// Adds what another mean holds, as if its scans had been added here: means to rounding, standard errors to
+  /// that of float. Throws InputError if it has another grid or number of wavelengths.
+  void merge(const SpectrumMean& other);
+
+  template <typename Archive>
+  void persist(Archive& archive) {
+    archive(grid_, nodes_, count_, weight_, weight2_, sums_);
+  }
 
   const DiskGrid& grid() const { return grid_; }
   std::size_t wavelengths() const { return sums_.size(); }
@@ -37,8 +48,14 @@ class SpectrumMean {
   struct Sums {
     std::vector<double> mean;
     std::vector<float> first, square;  // Σ A²·(D − D̄), Σ A²·(D − D̄)²
+
+    template <typename Archive>
+    void persist(Archive& archive) {
+      archive(mean, first, square);
+    }
   };
   void add(const Grid<float>& table, double weight, Sums& sums) const;
+  void merge(const SpectrumMean& other, std::size_t wavelength);
 
   DiskGrid grid_;
   std::vector<std::int32_t> nodes_;  // those of the disk

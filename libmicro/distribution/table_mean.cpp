@@ -6,13 +6,22 @@ namespace micro {
 
 TableMean::TableMean(const DiskGrid& grid) : grid_(grid), mean_(make_disk_table(grid).grid.size, grid.size) {}
 
+void TableMean::require_same(const DiskGrid& grid) const {
+  if (!(grid == grid_)) throw InputError("tables of different size or extent have no common mean");
+}
+
 void TableMean::add(const DiskTable& table, double weight) {
-  if (!(table.grid == grid_)) throw InputError("tables of different size or extent have no common mean");
+  require_same(table.grid);
   mean_.add(table.density, weight);
 }
 
+void TableMean::add(const SparseTable& table, double weight) {
+  require_same(table.grid);
+  mean_.add(table.nodes, table.density, weight);
+}
+
 void TableMean::merge(const TableMean& other) {
-  if (!(other.grid_ == grid_)) throw InputError("tables of different size or extent have no common mean");
+  require_same(other.grid_);
   mean_.merge(other.mean_);
 }
 

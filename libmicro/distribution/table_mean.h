@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "distribution/disk_table.h"
+#include "distribution/sparse_table.h"
 #include "distribution/weighted_mean.h"
 
 namespace micro {
@@ -17,6 +18,7 @@ class TableMean {
   /// Adds one scan's table with its weight, A_perp in µm². A weight of zero (no surface) is counted nowhere.
   /// Throws InputError if the table stands on another grid.
   void add(const DiskTable& table, double weight);
+  void add(const SparseTable& table, double weight);
 
   std::int64_t count() const { return mean_.count(); }
   double weight() const { return mean_.weight(); }                                       ///< ΣA_perp, µm²
@@ -32,6 +34,8 @@ class TableMean {
   }
 
  private:
+  void require_same(const DiskGrid& grid) const;
+
   DiskGrid grid_;
   WeightedMean mean_;
 };

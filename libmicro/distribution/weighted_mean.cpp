@@ -15,18 +15,31 @@ WeightedMean::WeightedMean(Eigen::Index rows, Eigen::Index cols) {
 void WeightedMean::add(const Grid<double>& values, double weight) {
   assert(values.rows() == sum_.rows() && values.cols() == sum_.cols());
   if (!(weight > 0)) return;
+  add_weight(weight);
+  // Most of a narrow lobe's table is zero, and zero adds nothing to any sum.
+  for (Eigen::Index k = 0; k < values.size(); ++k)
+    if (const double value = values.data()[k]; value != 0) add_at(k, value, weight);
+}
+
+void WeightedMean::add(std::span<const std::int32_t> places, std::span<const double> values, double weight) {
+  assert(places.size() == values.size());
+  if (!(weight > 0)) return;
+  add_weight(weight);
+  for (std::size_t n = 0; n < places.size(); ++n)
+    add_at(places[n], values[n], weight);
+}
+
+void WeightedMean::add_weight(double weight) {
   ++count_;
   weight_ += weight;
   weight2_ += weight * weight;
-  // Most of a narrow lobe's table is zero, and zero adds nothing to any sum.
-  for (Eigen::Index k = 0; k < values.size(); ++k) {
-    const double d = values.data()[k];
-    if (d == 0) continue;
-    const double area_d = weight * d;
-    sum_.data()[k] += area_d;
-    sum_weight_.data()[k] += weight * area_d;
-    sum_square_.data()[k] += area_d * area_d;
-  }
+}
+
+void WeightedMean::add_at(Eigen::Index place, double value, double weight) {
+  const double area_d = weight * value;
+  sum_.data()[place] += area_d;
+  sum_weight_.data()[place] += weight * area_d;
+  sum_square_.data()[place] += area_d * area_d;
 }
 
 void WeightedMean::merge(const WeightedMean& other) {

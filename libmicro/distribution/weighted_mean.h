@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "core/grid.h"
 
@@ -15,6 +16,8 @@ class WeightedMean {
 
   /// Adds one scan's array with its weight, A_perp in µm². A weight of zero (no surface) is counted nowhere.
   void add(const Grid<double>& values, double weight);
+  /// The same for an array that is zero but at these row-major places.
+  void add(std::span<const std::int32_t> places, std::span<const double> values, double weight);
 
   /// Adds what another sum holds, as if its arrays had been added here. Throws InputError if they have
   /// another shape.
@@ -35,6 +38,9 @@ class WeightedMean {
   }
 
  private:
+  void add_weight(double weight);
+  void add_at(Eigen::Index place, double value, double weight);
+
   std::int64_t count_ = 0;
   double weight_ = 0, weight2_ = 0;             // Σ A, Σ A²
   Grid<double> sum_, sum_weight_, sum_square_;  // Σ A·D, Σ A²·D, Σ A²·D²

@@ -29,6 +29,13 @@ Handle intermediate_groups() {
   return list;
 }
 
+void set_chunks(hid_t list, const std::vector<hsize_t>& chunk, int deflate) {
+  H5Pset_chunk(list, static_cast<int>(chunk.size()), chunk.data());
+  if (deflate == 0) return;
+  H5Pset_shuffle(list);
+  H5Pset_deflate(list, static_cast<unsigned>(deflate));
+}
+
 Handle storage(const std::vector<hsize_t>& extents, int deflate) {
   Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   const bool empty = std::find(extents.begin(), extents.end(), 0u) != extents.end();
@@ -36,10 +43,18 @@ Handle storage(const std::vector<hsize_t>& extents, int deflate) {
   std::vector<hsize_t> chunk = extents;
   const hsize_t row = std::accumulate(extents.begin() + 1, extents.end(), hsize_t{1}, std::multiplies<>());
   chunk[0] = std::clamp<hsize_t>(kChunkValues / row, 1, extents[0]);
-  H5Pset_chunk(list, static_cast<int>(chunk.size()), chunk.data());
-  H5Pset_shuffle(list);
-  H5Pset_deflate(list, static_cast<unsigned>(deflate));
+  set_chunks(list, chunk, deflate);
   return list;
+}
+
+/// A new dataset of floats in chunks. The caller holds the lock and looks whether it was made.
+Handle chunked_floats(hid_t file, const std::string& dataset, hid_t space, const std::vector<hsize_t>& chunk,
+                      int deflate) {
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  set_chunks(list, chunk, deflate);
+  return Handle(H5Dcreate2(file, dataset.c_str(), hdf5::native_type<float>(), space, intermediate_groups(),
+                           list, H5P_DEFAULT),
+                H5Dclose);
 }
 
 }  // namespace
@@ -137,18 +152,11 @@ void Hdf5Writer::write_slices(const std::string& dataset, const Shape& shape, in
   assert(shape.size() == 3);
   const std::vector<hsize_t> extents(shape.begin(), shape.end());
   const hsize_t rows = std::clamp<hsize_t>(kChunkValues / std::max<hsize_t>(extents[2], 1), 1, extents[1]);
-  const hsize_t chunk[3] = {1, rows, extents[2]}, count[3] = {1, extents[1], extents[2]};
+  const std::vector<hsize_t> chunk = {1, rows, extents[2]};
+  const hsize_t count[3] = {1, extents[1], extents[2]};
   const Lock lock;
   const Handle space(H5Screate_simple(3, extents.data(), nullptr), H5Sclose);
-  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  H5Pset_chunk(list, 3, chunk);
-  if (deflate > 0) {
-    H5Pset_shuffle(list);
-    H5Pset_deflate(list, static_cast<unsigned>(deflate));
-  }
-  const Handle data(H5Dcreate2(id_, dataset.c_str(), hdf5::native_type<float>(), space, intermediate_groups(),
-                               list, H5P_DEFAULT),
-                    H5Dclose);
+  const Handle data = chunked_floats(id_, dataset, space, chunk, deflate);
   const Handle memory(H5Screate_simple(3, count, nullptr), H5Sclose);
   for (std::size_t k = 0; k < shape[0]; ++k) {
     const Grid<float> values = slice(k);
@@ -165,19 +173,11 @@ void Hdf5Writer::create_in_parts(const std::string& dataset, const Shape& shape,
                                  int deflate) {
   assert(shape.size() == 3);
   const std::vector<hsize_t> extents(shape.begin(), shape.end());
-  const hsize_t chunk[3] = {std::min<hsize_t>(side, extents[0]), std::min<hsize_t>(side, extents[1]),
-                            extents[2]};
+  const std::vector<hsize_t> chunk = {std::min<hsize_t>(side, extents[0]),
+                                      std::min<hsize_t>(side, extents[1]), extents[2]};
   const Lock lock;
   const Handle space(H5Screate_simple(3, extents.data(), nullptr), H5Sclose);
-  const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  H5Pset_chunk(list, 3, chunk);
-  if (deflate > 0) {
-    H5Pset_shuffle(list);
-    H5Pset_deflate(list, static_cast<unsigned>(deflate));
-  }
-  const Handle data(H5Dcreate2(id_, dataset.c_str(), hdf5::native_type<float>(), space, intermediate_groups(),
-                               list, H5P_DEFAULT),
-                    H5Dclose);
+  const Handle data = chunked_floats(id_, dataset, space, chunk, deflate);
   require(static_cast<bool>(data), "dataset " + dataset + " cannot be written");
 }
 

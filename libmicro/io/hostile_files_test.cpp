@@ -12,6 +12,7 @@
 #include "io/scan.h"
 #include "io/small_scans_of_every_format_test.h"
 #include "io/small_scans_test.h"
+#include "testing/run_program.h"
 #include "testing/temporary_folder.h"
 
 // Any bytes are a scan or a FileError, nothing else.
@@ -144,6 +145,46 @@ TEST_P(HostileFiles, AThousandMutationsAreReadOrRefused) {
     SCOPED_TRACE(k);
     write_bytes(path, mutation(originals, k));
     read_scan_or_refuse(path);
+  }
+}
+
+/// What fuzzing found (docs/fuzzing.md), as far as it was mended here.
+TEST_P(HostileFiles, WhatWasFoundIsReadOrRefused) {
+  const fs::path found = fs::path(MICRO_SOURCE_DIR) / "testdata" / "hostile" / GetParam();
+  if (!fs::exists(found)) return;
+  for (const auto& file : fs::directory_iterator(found)) {
+    SCOPED_TRACE(file.path());
+    read_scan_or_refuse(file.path());
+    if (format.container.empty()) read_or_refuse(format, file.path());
+  }
+}
+
+/// The real program under the limits that it promises: 2 GiB of address space and 20 s, which here are for
+/// all of a batch of files together. It ends by itself, with no signal.
+TEST_P(HostileFiles, TheProgramSurvivesThem) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers reserve more address space";
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+  GTEST_SKIP() << "sanitizers reserve more address space";
+#endif
+#endif
+  constexpr int kBatch = 10;
+  const auto originals = small_scans_of_every_format(folder.path())[GetParam()];
+  for (int first = 0; first < MICRO_MUTATIONS_OF_PROGRAM; first += kBatch) {
+    std::string files;
+    for (int k = first; k < first + kBatch; ++k) {
+      const fs::path file = folder.path() / std::to_string(k);
+      write_bytes(file, mutation(originals, kMutations + k));  // others than those above
+      files += " '" + file.string() + "'";
+    }
+    const auto outcome =
+        testing::run_program("ulimit -v 2097152; exec timeout -s KILL 20 " +
+                             testing::microbrdf("info --json --pitch 0.25" + files) + " 2>&1");
+    EXPECT_TRUE(outcome.code >= 0 && outcome.code <= 3) << outcome.code << "\n"
+                                                        << files << "\n"
+                                                        << outcome.out;
+    EXPECT_NE(outcome.out.find("\"scans\""), std::string::npos) << outcome.out;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "distribution/disk_table.h"
+#include "distribution/sparse_table.h"
 #include "ndf/local_planes.h"
 
 namespace micro {
@@ -13,7 +14,8 @@ namespace micro {
 /// appears. Counts are integers: the sum of any number of scans is the same in any order.
 struct NormalCounts {
   DiskGrid grid;
-  std::vector<std::uint32_t> counts;  ///< [size·size] row-major
+  std::vector<std::int32_t> nodes;    ///< those that hold any, row-major places, ascending
+  std::vector<std::uint32_t> counts;  ///< at these
   std::int64_t total = 0;             ///< samples with a normal, inside the extent or not
   std::int64_t outside = 0;           ///< of these, beyond the extent
 };
@@ -25,7 +27,10 @@ NormalCounts naive_counts(const HeightField& surface, const DiskGrid& grid);
 /// one counts the same.
 NormalCounts filtered_counts(const SlopeField& slopes, const DiskGrid& grid);
 
-/// D at the nodes, 1/sr. All zero if there is no sample.
+/// D at the nodes that hold any, 1/sr.
+SparseTable sparse_density(const NormalCounts& counts);
+
+/// D at all nodes, 1/sr. All zero if there is no sample.
 DiskTable density(const NormalCounts& counts);
 
 }  // namespace micro

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
+
 #include "core/random.h"
 #include "height/triangles.h"
 
@@ -40,6 +43,33 @@ TEST(NormalCounts, NaiveCountsEveryTriangleOnce) {
   EXPECT_EQ(counts.total, triangle_count(surface));
   EXPECT_EQ(counts.outside, 0);
   EXPECT_NEAR(normalization(density(counts)), 1, 1e-12);
+}
+
+TEST(NormalCounts, FewAndManyAreCountedAlike) {
+  // Beside a literal count: 450 normals are written down and sorted on 1025², and counted in a table on 33².
+  const HeightField surface = make_height_field(Grid<double>::Random(16, 16), 5, 5);
+  for (const int size : {33, 1025}) {
+    SCOPED_TRACE(size);
+    const DiskGrid grid{size, 1};
+    std::map<std::int32_t, std::uint32_t> literal;
+    for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j)
+      for_each_triangle(surface, j, [&](const Triangle& triangle) {
+        const double scale = grid.centre() / std::hypot(1., triangle.zx, triangle.zy);
+        const auto i = static_cast<std::int32_t>(std::lrint(grid.centre() - triangle.zx * scale)),
+                   row = static_cast<std::int32_t>(std::lrint(grid.centre() - triangle.zy * scale));
+        ++literal[row * size + i];
+      });
+    const NormalCounts counts = naive_counts(surface, grid);
+    ASSERT_EQ(counts.nodes.size(), literal.size());
+    std::size_t n = 0;
+    for (const auto& [node, count] : literal) {
+      EXPECT_EQ(counts.nodes[n], node);
+      EXPECT_EQ(counts.counts[n++], count);
+    }
+    const Grid<double> all = density(counts).density;
+    EXPECT_EQ((all != 0).count(), static_cast<Eigen::Index>(literal.size()));
+    EXPECT_EQ(all.data()[counts.nodes[3]], sparse_density(counts).density[3]);
+  }
 }
 
 TEST(NormalCounts, NothingLiesOutsideTheDisk) {
