@@ -1,6 +1,7 @@
 #include <cmath>
 #include <memory>
 
+#include "pipelines/brdf_exchange.h"
 #include "pipelines/brdf_report.h"
 #include "tools/brdf_model_options.h"
 #include "tools/commands.h"
@@ -16,7 +17,7 @@ struct Options {
   CommonOptions common;
   BrdfModelOptions model;
   std::string output;
-  std::vector<std::string> lambda, wi, planes;
+  std::vector<std::string> lambda, wi, planes, write;
   double azimuth = 0, phi_h = 0;
   BrdfRequest request;
   double tolerance = 1e-3;
@@ -46,8 +47,8 @@ BrdfRequest request_of(const Options& options) {
     request.table = HalfAngleGrid{};
     request.table->phi_h = options.phi_h;
   }
-  if (request.wi.empty() && !request.furnace && !request.table)
-    throw CLI::ValidationError("nothing was asked for: give --wi, --furnace or --table");
+  if (request.wi.empty() && !request.furnace && !request.table && options.write.empty())
+    throw CLI::ValidationError("nothing was asked for: give --wi, --furnace, --table or --write");
   if (request.wi.empty() && (options.albedo || request.spectrum > 0 || !options.planes.empty()))
     throw CLI::ValidationError("--albedo, --spectrum and --plane need a --wi");
   return request;
@@ -105,14 +106,28 @@ void print(const BrdfReport& report, const std::string& output,
 
 int run(const Options& options, const CLI::App& app) {
   const BrdfRequest request = request_of(options);
-  const BrdfReport report = evaluate_brdf(make_brdf_model(options.model), options.model.material, request);
+  for (const std::string& path : options.write)
+    brdf_format_of(path);
+  const BrdfModel model = make_brdf_model(options.model);
+  const BrdfReport report = evaluate_brdf(model, options.model.material, request);
   write_brdf(options.output, report, command_line_of(app));
-  const auto files =
+  auto files =
       options.no_figure ? std::vector<std::filesystem::path>() : write_brdf_pictures(options.output, report);
-  if (options.common.json)
-    print_json(to_json(report, options.output, files));
-  else
+  std::vector<std::string> kept;
+  for (const std::string& path : options.write) {
+    const ExchangedBrdf written = write_exchanged_brdf(path, model.metal, report, command_line_of(app));
+    files.push_back(written.path);
+    kept.push_back(path + ": " + written.kept);
+  }
+  if (options.common.json) {
+    nlohmann::json all = to_json(report, options.output, files);
+    if (!kept.empty()) all["written"] = kept;
+    print_json(all);
+  } else {
+    for (const std::string& line : kept)
+      std::printf("%s\n", line.c_str());
     print(report, options.output, files);
+  }
   return kDone;
 }
 
@@ -145,12 +160,19 @@ Run add_brdf(CLI::App& app) {
   app.add_flag("--table", options->table,
                "The whole BRDF over 90 x 90 x 180 half and difference angles, as MERL's");
   add_angle(app, "--phi-h", options->phi_h, "Azimuth of the table's half vectors (default 0)");
+  app.add_option(
+         "--write", options->write,
+         "Also write the BRDF for others: .bsdf (RGL's tensor file: Mitsuba 3, pbrt-v4), .binary (MERL), "
+         ".astm (text, the slices) or .xml (Radiance, Klems basis); repeatable")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   app.add_flag("--no-figure", options->no_figure, "Leave out CSV and pictures");
   add_common_options(
       app, options->common,
       "microbrdf brdf out/result.h5 --material Cu --wi 30deg --albedo -o cu.h5\n"
       "  microbrdf brdf out/result.h5 --distribution kirchhoff --wi 30deg --plane 0 --plane 90deg "
       "-o wave.h5\n"
+      "  microbrdf brdf out/result.h5 --material Cu --write copper.bsdf --write copper.xml -o cu.h5\n"
       "  microbrdf brdf --alpha 0.3,0.1 --coat 1.5 --material Cu --wi 45deg -o enamelled.h5\n"
       "  microbrdf brdf --model sun --smoothness 5 --form printed --wi 45deg --furnace -o sun.h5");
   return [options, &app] { return run(*options, app); };
