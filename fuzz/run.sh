@@ -4,7 +4,7 @@
 # runs each FORMAT (default: all) until one of the limits is reached (default: the executions in fuzz/formats.txt), and
 # prints executions, coverage and findings. Corpora grow in build/fuzz/corpus/FORMAT; they start from small scans that
 # the tests make and, where it is there, from the heads of the real ones in ../shared/scans. What is found goes to
-# build/fuzz/found/FORMAT: mend it, and give it to testdata/hostile/FORMAT, whose files the tests read again.
+# build/fuzz/found/FORMAT: mend it, and give it to fuzz/findings/FORMAT, whose files the tests read again.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -21,12 +21,12 @@ shift $((OPTIND - 1))
 [[ -f build/fuzz/build.ninja ]] || cmake --preset fuzz
 cmake --build --preset fuzz -j "${MICRO_JOBS:-$(nproc)}"
 cd build/fuzz
-export ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=0
+export ASAN_OPTIONS=allocator_may_return_null=1:alloc_dealloc_mismatch=0:detect_leaks=0
 
 # A finding ends libFuzzer's run; the next one goes on with what is left.
 fuzz() {  # fuzz FORMAT EXECUTIONS MEGABYTES
   local format=$1 executions=$2 log=$1.log end=$((SECONDS + seconds)) total=0 ran folders=("corpus/$1" "seeds/$1")
-  for folder in ../../testdata/hostile/$format ../../../shared/scans; do
+  for folder in ../../fuzz/findings/$format ../../../shared/scans; do
     [[ ! -d $folder ]] || folders+=("$folder")
   done
   mkdir -p "found/$format"

@@ -5,11 +5,36 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <new>
 #include <string>
 
 #include "core/error.h"
 #include "io/bytes.h"
 #include "io/scan.h"
+
+// What the child process's limit does to a library that believes a header: std::bad_alloc. (AddressSanitizer's own
+// operator ends the program.)
+void* operator new(std::size_t size) {
+  constexpr std::size_t kMost = std::size_t{1} << 28;
+  void* memory = size <= kMost ? std::malloc(size) : nullptr;
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
+void* operator new[](std::size_t size) {
+  return operator new(size);
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 namespace {
 

@@ -150,7 +150,7 @@ TEST_P(HostileFiles, AThousandMutationsAreReadOrRefused) {
 
 /// What fuzzing found (docs/fuzzing.md), as far as it was mended here.
 TEST_P(HostileFiles, WhatWasFoundIsReadOrRefused) {
-  const fs::path found = fs::path(MICRO_SOURCE_DIR) / "testdata" / "hostile" / GetParam();
+  const fs::path found = fs::path(MICRO_SOURCE_DIR) / "fuzz" / "findings" / GetParam();
   if (!fs::exists(found)) return;
   for (const auto& file : fs::directory_iterator(found)) {
     SCOPED_TRACE(file.path());
