@@ -42,38 +42,58 @@ ScanTexels cut_scan(const ListedScan& scan, const TexelRequest& request) {
   return outcome;
 }
 
-/// Puts the scans' texels into the grid; all scans must hold as many.
+/// Where the rows (or columns) of a layout begin in the grid of texels, and the grid's end: each is as wide
+/// as the scan of most texels in it, or as `usual` where there is none.
+template <typename PlaceOf, typename CountOf>
+std::vector<Eigen::Index> begins_of(const std::vector<ScanTexels>& cuts, Eigen::Index places,
+                                    Eigen::Index usual, PlaceOf&& place_of, CountOf&& count_of) {
+  std::vector<Eigen::Index> counts(static_cast<std::size_t>(places), 0);
+  for (std::size_t k = 0; k < cuts.size(); ++k) {
+    if (cuts[k].record.failure) continue;
+    Eigen::Index& count = counts[static_cast<std::size_t>(place_of(k))];
+    count = std::max(count, count_of(cuts[k].cut));
+  }
+  std::vector<Eigen::Index> begins = {0};
+  for (const Eigen::Index count : counts)
+    begins.push_back(begins.back() + (count > 0 ? count : usual));
+  return begins;
+}
+
+/// Puts the scans' texels into the grid. Scans of different sizes leave gaps where others of their row or
+/// column of the layout hold more: a strip across beside one along, strips of unequal length.
 void assemble(Texels& texels, std::vector<ScanTexels>& cuts, const TexelLayout& layout,
               const TexelRequest& request) {
+  constexpr Eigen::Index kMost = 100'000'000;
   const auto first =
       std::find_if(cuts.begin(), cuts.end(), [](const ScanTexels& c) { return !c.record.failure; });
   if (first == cuts.end()) return;
-  const Eigen::Index down = first->cut.rows, across = first->cut.cols;
   const ScanRecord& like = first->record;
   texels.width =
       like.dx * static_cast<double>(request.block ? points_of(request.block->x(), like.dx) : like.cols);
   texels.height =
       like.dy * static_cast<double>(request.block ? points_of(request.block->y(), like.dy) : like.rows);
-  texels.rows = layout.rows * down;
-  texels.cols = layout.cols * across;
+  const auto row_begins = begins_of(
+      cuts, layout.rows, first->cut.rows, [&](std::size_t k) { return layout.places[k].row; },
+      [](const SurfaceTexels& cut) { return cut.rows; });
+  const auto col_begins = begins_of(
+      cuts, layout.cols, first->cut.cols, [&](std::size_t k) { return layout.places[k].col; },
+      [](const SurfaceTexels& cut) { return cut.cols; });
+  texels.rows = row_begins.back();
+  texels.cols = col_begins.back();
+  if (texels.rows > kMost / texels.cols) throw InputError("the layout spans more than 10^8 texels");
   const auto count = static_cast<std::size_t>(texels.rows * texels.cols);
   texels.texels.resize(count);
   texels.states.assign(count, TexelState::Gap);
   texels.scan.assign(count, -1);
   for (std::size_t k = 0; k < cuts.size(); ++k) {
-    ScanTexels& scan = cuts[k];
-    if (scan.record.failure) continue;
-    if (scan.cut.rows != down || scan.cut.cols != across) {
-      scan.record.failure = "holds " + std::to_string(scan.cut.rows) + " x " + std::to_string(scan.cut.cols) +
-                            " texels, " + like.source + " holds " + std::to_string(down) + " x " +
-                            std::to_string(across);
-      continue;
-    }
-    for (Eigen::Index j = 0; j < down; ++j)
-      for (Eigen::Index i = 0; i < across; ++i) {
-        const Eigen::Index row = layout.places[k].row * down + j, col = layout.places[k].col * across + i;
-        const auto place = static_cast<std::size_t>(row * texels.cols + col);
-        texels.texels[place] = std::move(scan.cut.texels[static_cast<std::size_t>(j * across + i)]);
+    SurfaceTexels& cut = cuts[k].cut;
+    if (cuts[k].record.failure) continue;
+    const Eigen::Index top = row_begins[static_cast<std::size_t>(layout.places[k].row)],
+                       left = col_begins[static_cast<std::size_t>(layout.places[k].col)];
+    for (Eigen::Index j = 0; j < cut.rows; ++j)
+      for (Eigen::Index i = 0; i < cut.cols; ++i) {
+        const auto place = static_cast<std::size_t>((top + j) * texels.cols + left + i);
+        texels.texels[place] = std::move(cut.texels[static_cast<std::size_t>(j * cut.cols + i)]);
         texels.scan[place] = static_cast<std::int32_t>(k);
         if (texels.texels[place].normals > 0) texels.states[place] = TexelState::Fitted;
       }

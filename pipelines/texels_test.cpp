@@ -134,6 +134,33 @@ TEST_F(TexelsOfScans, LeaveGapsAndNameWhatFails) {
   EXPECT_TRUE(std::isnan(parameters[5]));
 }
 
+TEST_F(TexelsOfScans, FormACrossOfStrips) {
+  scan("r0_c0.dat", rough(80, 240, 1));  // 2 × 6 blocks across
+  scan("r1_c0.dat", rough(240, 80, 2));  // 6 × 2 along
+  scan("r1_c1.dat", rough(120, 40, 3));  // 3 × 1 beside it
+  TexelRequest request;
+  request.layout = ByName{"r{row}_c{col}"};
+  request.enough = 0;
+  request.block = Vec2(10, 10);
+  const Texels found = texels(request);
+  ASSERT_EQ(found.rows, 8);
+  ASSERT_EQ(found.cols, 7);
+  EXPECT_EQ(found.count(), 12 + 12 + 3);
+  const auto scan_at = [&](Eigen::Index j, Eigen::Index i) {
+    return found.scan[static_cast<std::size_t>(j * found.cols + i)];
+  };
+  EXPECT_EQ(scan_at(1, 5), 0);
+  EXPECT_EQ(scan_at(0, 6), -1);
+  EXPECT_EQ(scan_at(2, 0), 1);
+  EXPECT_EQ(scan_at(7, 1), 1);
+  EXPECT_EQ(scan_at(2, 2), -1);
+  EXPECT_EQ(scan_at(4, 6), 2);
+  EXPECT_EQ(scan_at(5, 6), -1);
+  const SurfaceTexels alone = texels_of_surface(rough(120, 40, 3), {40, 40, 1, 0});
+  EXPECT_NEAR(found.texels[static_cast<std::size_t>(3 * found.cols + 6)].fit.frame.l11,
+              alone.texels[1].fit.frame.l11, 1e-3 * alone.texels[1].fit.frame.l11);
+}
+
 TEST_F(TexelsOfScans, LoseACommonPlaneAndNothingElse) {
   // A stage that tilts every scan alike moves no lobe against another.
   constexpr double kTilt = 0.05, kFloatHeights = 2e-4;

@@ -129,6 +129,130 @@ TextureField empty_field(Eigen::Index rows, Eigen::Index cols) {
   return field;
 }
 
+/// The names that files tell a request by.
+struct RequestNames {
+  std::string recipe, marginals, taper;
+
+  explicit RequestNames(const TextureRequest& request)
+      : recipe(name_of(request.recipe)),
+        marginals(request.marginals == TextureRequest::Marginals::Exemplar ? "exemplar" : "gaussian"),
+        taper(request.taper == Taper::Hann ? "hann" : "none") {}
+};
+
+ExrTextureWriter::Layout picture_layout(const Texels& texels, const TextureRequest& request,
+                                        const RequestNames& names, const std::string& command) {
+  const bool all_levels = request.levels == TextureRequest::Levels::All;
+  return {.rows = request.size.rows,
+          .cols = request.size.cols,
+          .channels = kParameters,
+          .positive = {"alpha.x", "alpha.y"},
+          .pixel = request.pixel,
+          .levels = all_levels ? ExrTextureWriter::Levels::All : ExrTextureWriter::Levels::Finest,
+          .attributes = {{"units", "alpha: slope; theta: radians [Dong15 Eq. 12]"},
+                         {"texelWidth", std::to_string(texels.width) + " um"},
+                         {"texelHeight", std::to_string(texels.height) + " um"},
+                         {"recipe", names.recipe},
+                         {"marginals", names.marginals},
+                         {"taper", names.taper},
+                         {"seed", std::to_string(request.seed)},
+                         {"wrapmodes", "periodic"},
+                         {"provenance", command},
+                         {"software", "microbrdf " + std::string(version())}}};
+}
+
+/// The levels above the finest. Those up to kFiner are made part by part, the coarser ones of a whole level
+/// kFiner, which is kept.
+class CoarseLevels {
+ public:
+  /// `levels` counts the finest; `picture` has to outlive this.
+  CoarseLevels(const TextureSize& size, int levels, ExrTextureWriter& picture)
+      : picture_(picture), kept_(static_cast<std::size_t>(levels)) {
+    for (int level = kFiner; level < levels; ++level)
+      kept(level) = empty_field(level_size(size.rows, level), level_size(size.cols, level));
+  }
+
+  /// What a part of the finest level covers; its misfits are judged on the first part.
+  void add(const TexturePart& part, const TextureField& field) {
+    for (int level = 1; level <= std::min(kFiner, last()); ++level) {
+      const TextureField coarse = minified(field, level);
+      const Eigen::Index row = part.row >> level, col = part.col >> level;
+      if (row == 0 && col == 0) misfits_.push_back(misfit_of_level(coarse, field, level, level));
+      write(level, row, col, coarse);
+      if (level == kFiner)
+        for (std::size_t c = 0; c < kChannels; ++c)
+          kept(level)[c].block(row, col, coarse[c].rows(), coarse[c].cols()) = coarse[c];
+      else if (level == last())
+        kept(level) = coarse;
+    }
+  }
+
+  /// After every part: the levels beyond kFiner.
+  void finish() {
+    for (int level = kFiner + 1; level <= last(); ++level) {
+      const int by = std::min(kFiner, level - kFiner);
+      kept(level) = minified(kept(level - by), by);
+      misfits_.push_back(misfit_of_level(kept(level), kept(level - by), level, by));
+      write(level, 0, 0, kept(level));
+    }
+  }
+
+  const std::vector<LevelMisfit>& misfits() const { return misfits_; }
+  /// The one lobe of the whole texture.
+  SlopeFrame coarsest() const {
+    SlopeCoordinates p;
+    for (std::size_t c = 0; c < kChannels; ++c)
+      p[c] = kept_.back()[c](0, 0);
+    return frame_of(p);
+  }
+
+ private:
+  int last() const { return static_cast<int>(kept_.size()) - 1; }
+  TextureField& kept(int level) { return kept_[static_cast<std::size_t>(level)]; }
+  void write(int level, Eigen::Index row, Eigen::Index col, const TextureField& field) {
+    picture_.write(level, row, col, planes_of(parameters_of(field), field[0].rows(), field[0].cols()));
+  }
+
+  ExrTextureWriter& picture_;
+  std::vector<TextureField> kept_;
+  std::vector<LevelMisfit> misfits_;
+};
+
+void write_misfits(Hdf5Writer& file, const std::vector<LevelMisfit>& misfits) {
+  std::vector<float> table;
+  for (const LevelMisfit& m : misfits)
+    for (const double value : {static_cast<double>(m.level), m.refitted.divergence, m.refitted.rel_rms,
+                               m.averaged.divergence, m.averaged.rel_rms})
+      table.push_back(static_cast<float>(value));
+  file.write<float>("/texture/level_misfit", table, {misfits.size(), 5});
+  const std::vector<std::string> columns = {"level", "divergence", "rel_rms", "averaged_divergence",
+                                            "averaged_rel_rms"};
+  file.set_attribute("/texture/level_misfit", "columns", std::span<const std::string>(columns));
+}
+
+void write_attributes(Hdf5Writer& file, const TextureSummary& summary, const RequestNames& names) {
+  const auto set = [&](const char* name, const auto& value) { file.set_attribute("/texture", name, value); };
+  set("texel_width_um", summary.texel_width);
+  set("texel_height_um", summary.texel_height);
+  set("recipe", std::string_view(names.recipe));
+  set("marginals", std::string_view(names.marginals));
+  set("taper", std::string_view(names.taper));
+  set("seed", summary.request.seed);
+  set("in_parts", summary.in_parts ? 1 : 0);
+  set("seconds", summary.seconds);
+}
+
+Plan plan_of(const TextureSummary& summary, const RequestNames& names, const TextureModel& model,
+             int levels) {
+  const TextureSize& size = summary.request.size;
+  const bool block = std::holds_alternative<TextureModel::Blocks>(model.spectrum);
+  return {
+      ran("texture", std::to_string(size.rows) + " x " + std::to_string(size.cols) + " texels, " +
+                         names.recipe + (block ? " from a block" : " from strips") + ", marginals " +
+                         names.marginals + ", taper " + names.taper + (summary.in_parts ? ", by parts" : "")),
+      stage_if(levels > 1, "minification",
+               levels > 1 ? std::to_string(levels) + " levels, each texel refitted" : "not asked for")};
+}
+
 }  // namespace
 
 Exemplar exemplar_of(const Texels& texels) {
@@ -149,6 +273,7 @@ TextureSummary write_texture(const Texels& texels, const TextureRequest& request
   const TextureModel model = model_of(exemplar, request.recipe, request.taper);
   const MarginalMap marginals(exemplar);
   const TextureSize& size = request.size;
+  const RequestNames names(request);
   TextureSummary summary{.request = request,
                          .texel_width = texels.width,
                          .texel_height = texels.height,
@@ -157,101 +282,31 @@ TextureSummary write_texture(const Texels& texels, const TextureRequest& request
                          .coarsest = {},
                          .picture = {},
                          .plan = {}};
-  const bool maps = request.marginals == TextureRequest::Marginals::Exemplar;
-  const bool all_levels = request.levels == TextureRequest::Levels::All;
-  const std::string recipe(name_of(request.recipe)), marginal_name = maps ? "exemplar" : "gaussian",
-                                                     taper = request.taper == Taper::Hann ? "hann" : "none";
-
-  ExrTextureWriter picture(
-      exr, {.rows = size.rows,
-            .cols = size.cols,
-            .channels = kParameters,
-            .positive = {"alpha.x", "alpha.y"},
-            .pixel = request.pixel,
-            .levels = all_levels ? ExrTextureWriter::Levels::All : ExrTextureWriter::Levels::Finest,
-            .attributes = {{"units", "alpha: slope; theta: radians [Dong15 Eq. 12]"},
-                           {"texelWidth", std::to_string(texels.width) + " um"},
-                           {"texelHeight", std::to_string(texels.height) + " um"},
-                           {"recipe", recipe},
-                           {"marginals", marginal_name},
-                           {"taper", taper},
-                           {"seed", std::to_string(request.seed)},
-                           {"wrapmodes", "periodic"},
-                           {"provenance", command},
-                           {"software", "microbrdf " + std::string(version())}}});
+  const int levels = request.levels == TextureRequest::Levels::All ? level_count(size) : 1;
+  ExrTextureWriter picture(exr, picture_layout(texels, request, names, command));
   TextureDatasets datasets(file, size);
-  const int levels = all_levels ? level_count(size) : 1;
-  std::vector<TextureField> kept(static_cast<std::size_t>(levels));  // levels from kFiner on, whole
-  for (int level = kFiner; level < levels; ++level)
-    kept[static_cast<std::size_t>(level)] =
-        empty_field(level_size(size.rows, level), level_size(size.cols, level));
-
+  CoarseLevels coarse(size, levels, picture);
   const Eigen::Index step = summary.in_parts ? kPart : kWhole;
   for (Eigen::Index row = 0; row < size.rows; row += step)
     for (Eigen::Index col = 0; col < size.cols; col += step) {
       const TexturePart part = {row, col, std::min(step, size.rows - row), std::min(step, size.cols - col)};
       TextureField field = summary.in_parts ? synthesise_part(model, size, request.seed, part)
                                             : synthesise(model, size, request.seed);
-      if (maps) marginals.apply(field);
+      if (request.marginals == TextureRequest::Marginals::Exemplar) marginals.apply(field);
       const std::vector<float> parameters = parameters_of(field);
       datasets.write(part, field, parameters);
       picture.write(0, row, col, planes_of(parameters, part.rows, part.cols));
       if (row == 0 && col == 0) summary.picture = texture_picture(exemplar, field);
-      for (int level = 1; level <= std::min(kFiner, levels - 1); ++level) {
-        const TextureField coarse = minified(field, level);
-        if (row == 0 && col == 0) summary.misfits.push_back(misfit_of_level(coarse, field, level, level));
-        const Eigen::Index rows = coarse[0].rows(), cols = coarse[0].cols();
-        picture.write(level, row >> level, col >> level, planes_of(parameters_of(coarse), rows, cols));
-        for (std::size_t c = 0; c < kChannels && level == kFiner; ++c)
-          kept[static_cast<std::size_t>(kFiner)][c].block(row >> level, col >> level, rows, cols) = coarse[c];
-        if (level < kFiner && level == levels - 1) kept[static_cast<std::size_t>(level)] = coarse;
-      }
+      coarse.add(part, field);
     }
-  for (int level = kFiner + 1; level < levels; ++level) {
-    const int by = std::min(kFiner, level - kFiner);
-    const TextureField& finer = kept[static_cast<std::size_t>(level - by)];
-    TextureField& coarse = kept[static_cast<std::size_t>(level)];
-    coarse = minified(finer, by);
-    summary.misfits.push_back(misfit_of_level(coarse, finer, level, by));
-    picture.write(level, 0, 0, planes_of(parameters_of(coarse), coarse[0].rows(), coarse[0].cols()));
-  }
+  coarse.finish();
   picture.finish();
-  if (levels > 1) {
-    SlopeCoordinates p;
-    for (std::size_t c = 0; c < kChannels; ++c)
-      p[c] = kept.back()[c](0, 0);
-    summary.coarsest = frame_of(p);
-  }
-
-  const auto set = [&](const char* name, const auto& value) { file.set_attribute("/texture", name, value); };
-  set("texel_width_um", texels.width);
-  set("texel_height_um", texels.height);
-  set("recipe", std::string_view(recipe));
-  set("marginals", std::string_view(marginal_name));
-  set("taper", std::string_view(taper));
-  set("seed", request.seed);
-  set("in_parts", summary.in_parts ? 1 : 0);
-  if (!summary.misfits.empty()) {
-    std::vector<float> table;
-    for (const LevelMisfit& m : summary.misfits)
-      for (const double value : {static_cast<double>(m.level), m.refitted.divergence, m.refitted.rel_rms,
-                                 m.averaged.divergence, m.averaged.rel_rms})
-        table.push_back(static_cast<float>(value));
-    file.write<float>("/texture/level_misfit", table, {summary.misfits.size(), 5});
-    const std::vector<std::string> columns = {"level", "divergence", "rel_rms", "averaged_divergence",
-                                              "averaged_rel_rms"};
-    file.set_attribute("/texture/level_misfit", "columns", std::span<const std::string>(columns));
-  }
+  summary.misfits = coarse.misfits();
+  if (levels > 1) summary.coarsest = coarse.coarsest();
   summary.seconds = watch.seconds();
-  set("seconds", summary.seconds);
-  const bool block = std::holds_alternative<TextureModel::Blocks>(model.spectrum);
-  summary.plan.push_back(
-      ran("texture", std::to_string(size.rows) + " x " + std::to_string(size.cols) + " texels, " + recipe +
-                         (block ? " from a block" : " from strips") + ", marginals " + marginal_name +
-                         ", taper " + taper + (summary.in_parts ? ", by parts" : "")));
-  summary.plan.push_back(
-      stage_if(levels > 1, "minification",
-               levels > 1 ? std::to_string(levels) + " levels, each texel refitted" : "not asked for"));
+  write_attributes(file, summary, names);
+  if (!summary.misfits.empty()) write_misfits(file, summary.misfits);
+  summary.plan = plan_of(summary, names, model, levels);
   return summary;
 }
 
