@@ -32,6 +32,8 @@ enum Exit : int { kDone = 81, kRefused = 82 };
 
 constexpr rlim_t kAddressSpace = rlim_t{2} << 30;
 constexpr rlim_t kLeastRoom = rlim_t{512} << 20;  ///< beyond what the parent has mapped already
+/// Bytes that one byte of a file may become on the way: a small file that asks for a gigabyte lies.
+constexpr rlim_t kInflation = 64;
 
 [[noreturn]] void fail(const char* what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -69,7 +71,8 @@ void confine(const ChildLimits& limits, std::uintmax_t file_size, pid_t parent) 
   }
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, static_cast<rlim_t>(std::ceil(limits.processor_seconds)));
-  limit(RLIMIT_AS, std::max(kAddressSpace, mapped_bytes() + kLeastRoom) + 4 * rlim_t{file_size});
+  const rlim_t least = mapped_bytes() + kLeastRoom, size{file_size};
+  limit(RLIMIT_AS, std::max(least, std::min(kAddressSpace, least + kInflation * size)) + 4 * size);
 }
 
 [[noreturn]] void live_as_child(ChildOutput& output, const std::filesystem::path& path,

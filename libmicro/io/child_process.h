@@ -49,10 +49,11 @@ struct ChildLimits {
 };
 
 /// Runs work(output) in a child process, a copy of this one with the calling thread alone, and returns what
-/// it wrote. For libraries that a file may crash: the child has 2 GiB of address space and four times the
-/// file's size (beside what the sanitizers reserve), no core file, nothing to print on, and dies with its
-/// parent. What `work` throws becomes a FileError about `path` here (a FileError keeps its fact), and so does
-/// the child's death. `work` must not start threads.
+/// it wrote. For libraries that a file may crash: the child has 512 MiB of address space beyond its parent's
+/// and 64 times the file's size, together at most 2 GiB, and four times the file's size (beside what the
+/// sanitizers reserve), no core file, nothing to print on, and dies with its parent. What `work` throws
+/// becomes a FileError about `path` here (a FileError keeps its fact), and so does the child's death. `work`
+/// must not start threads.
 ChildOutput run_in_child(const std::filesystem::path& path, const ChildLimits& limits,
                          const std::function<void(ChildOutput&)>& work);
 
