@@ -110,7 +110,7 @@ std::vector<float> merl_colours(const AnyBrdf& model, const std::vector<double>&
 
 std::string write_merl_file(const std::filesystem::path& path, const AnyBrdf& model, const BrdfReport& report,
                             const std::string& command) {
-  constexpr int kAzimuths = 16;
+  constexpr int kAzimuths = 8;
   const double off = anisotropy_of(model, report);
   const int azimuths = off < kIsotropic ? 1 : kAzimuths;
   write_merl(path, merl_colours(model, report.request.lambda_um, azimuths));
