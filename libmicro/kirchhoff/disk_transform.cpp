@@ -361,12 +361,10 @@ void check_work(const HeightField& surface, const QuadratureLattice& lattice, in
   if (points <= kMostPoints) return;
   const double pitch = std::max(surface.dx, surface.dy), order = lambda_q / (2 * pitch);
   std::ostringstream text;
-  if (order < 1)
-    text << "a pitch of " << pitch << " µm is too coarse for the whole disk at an effective wavelength of "
-         << lambda_q << " µm: lower the extent towards " << order << ", the sine of the first false order";
-  else
-    text << "cliffs or spikes would take hours at an effective wavelength of " << lambda_q
-         << " µm: reject outliers, or ask for a larger tolerance";
+  text << "cliffs, spikes or a steep form would take hours at an effective wavelength of " << lambda_q
+       << " µm and a pitch of " << pitch << " µm: level them away, reject outliers, ";
+  if (order < 1) text << "lower the extent (false orders begin at " << order << "), ";
+  text << "or ask for a larger tolerance";
   throw InputError(text.str());
 }
 
