@@ -363,7 +363,7 @@ void check_work(const HeightField& surface, const QuadratureLattice& lattice, in
   std::ostringstream text;
   text << "cliffs, spikes or a steep form would take hours at an effective wavelength of " << lambda_q
        << " µm and a pitch of " << pitch << " µm: level them away, reject outliers, ";
-  if (order < 1) text << "lower the extent (false orders begin at " << order << "), ";
+  if (order < 1) text << "lower the extent towards " << order << ", where false orders begin, ";
   text << "or ask for a larger tolerance";
   throw InputError(text.str());
 }
