@@ -36,8 +36,9 @@ def ndf(microbrdf, scan, pitch, sigma, output):
 
 def row(microbrdf, result, method, masking, folder):
     output = folder / "furnace.h5"
-    run(microbrdf, "brdf", result, "--distribution", method["method"], "--masking", masking, "--lambda", f"{LAMBDA_Q}um",
-        "--furnace", "--tol", "0.01", "--no-figure", "-o", output)
+    waves = ("--masking", masking) if method["method"] == "kirchhoff" else ()
+    run(microbrdf, "brdf", result, "--distribution", method["method"], *waves, "--lambda", f"{LAMBDA_Q}um", "--furnace",
+        "--tol", "0.01", "--no-figure", "-o", output)
     with h5py.File(output) as file:
         furnace = file["/brdf/furnace"]
         theta = np.degrees(np.arccos(np.clip(furnace["wi"][:, 2], -1, 1)))

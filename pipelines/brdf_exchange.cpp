@@ -146,12 +146,11 @@ std::string write_astm(const std::filesystem::path& path, const BrdfReport& repo
   text << '\n';
   constexpr double kDegrees = 180 / std::numbers::pi;
   for (const BrdfSlice& slice : report.slices) {
-    const double phi_i = std::atan2(slice.wi.y(), slice.wi.x());
     for (std::size_t k = 0; k < slice.theta_o.size(); ++k) {
       // θ_o is positive where a mirror sends to.
       const double away = slice.theta_o[k] >= 0 ? std::numbers::pi : 0;
-      const double phi_s = std::remainder(phi_i + slice.plane + away, 2 * std::numbers::pi);
-      text << std::acos(slice.wi.z()) * kDegrees << ',' << phi_i * kDegrees << ','
+      const double phi_s = std::remainder(slice.phi_i + slice.plane + away, 2 * std::numbers::pi);
+      text << std::acos(slice.wi.z()) * kDegrees << ',' << slice.phi_i * kDegrees << ','
            << std::abs(slice.theta_o[k]) * kDegrees << ',' << phi_s * kDegrees;
       for (const auto& f : slice.f)
         text << ',' << f[k];

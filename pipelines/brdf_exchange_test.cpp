@@ -93,6 +93,20 @@ TEST_F(BrdfExchange, TensorFileHasTheFieldsThatItsReadersWant) {
   EXPECT_NE(text.find("--wi 30deg"), text.npos);
 }
 
+/// wi and wo at the middle of a bin of MERL's table, the half vector at azimuth phi_h.
+std::pair<Vec3, Vec3> merl_directions(int i, int j, int k, double phi_h) {
+  const double th = std::pow((i + 0.5) / 90, 2) * kPi / 2, td = (j + 0.5) / 90 * kPi / 2,
+               pd = (k + 0.5) / 180 * kPi;
+  const Vec3 e(std::cos(phi_h), std::sin(phi_h), 0), y(-std::sin(phi_h), std::cos(phi_h), 0), n(0, 0, 1);
+  const Vec3 h = std::sin(th) * e + std::cos(th) * n, x = std::cos(th) * e - std::sin(th) * n;
+  const Vec3 wi = std::cos(td) * h + std::sin(td) * (std::cos(pd) * x + std::sin(pd) * y);
+  return {wi, 2 * wi.dot(h) * h - wi};
+}
+
+std::size_t merl_index(int c, int i, int j, int k) {
+  return static_cast<std::size_t>(((c * 90 + i) * 90 + j) * 180 + k);
+}
+
 // θ_h in bins of √θ_h, 90 of θ_d, 180 of φ_d, colours one after the other, as MERL's own look-up has them.
 TEST_F(BrdfExchange, MerlFileIsFoundByItsPublishedIndex) {
   report_.request.lambda_um = {0.55};  // one wavelength is grey
@@ -104,20 +118,16 @@ TEST_F(BrdfExchange, MerlFileIsFoundByItsPublishedIndex) {
   const double theta_h = 0.21, theta_d = 0.4, phi_d = 1.1;
   const auto i = static_cast<int>(std::sqrt(theta_h / (kPi / 2)) * 90),
              j = static_cast<int>(theta_d / (kPi / 2) * 90), k = static_cast<int>(phi_d / kPi * 180);
-  const double th = std::pow((i + 0.5) / 90, 2) * kPi / 2, td = (j + 0.5) / 90 * kPi / 2,
-               pd = (k + 0.5) / 180 * kPi;
-  const Vec3 h(std::sin(th), 0, std::cos(th)), x(std::cos(th), 0, -std::sin(th)), y(0, 1, 0);
-  const Vec3 wi = std::cos(td) * h + std::sin(td) * (std::cos(pd) * x + std::sin(pd) * y),
-             wo = 2 * wi.dot(h) * h - wi;
+  const auto [wi, wo] = merl_directions(i, j, k, 0);
   const double want = model_.metal.f(wi, wo, 0.55);
   const std::array<double, 3> scale = {1. / 1500, 1.15 / 1500, 1.66 / 1500};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const std::size_t index =
-        (c * 90 * 90 + static_cast<std::size_t>(i * 90 + j)) * 180 + static_cast<std::size_t>(k);
-    EXPECT_NEAR(number_at<double>(bytes, 12 + 8 * index) * scale[c], want, 2e-3 * want) << c;
-  }
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(
+        number_at<double>(bytes, 12 + 8 * merl_index(c, i, j, k)) * scale[static_cast<std::size_t>(c)], want,
+        2e-3 * want)
+        << c;
   // Half vector and difference both grazing: below the horizon.
-  EXPECT_EQ(number_at<double>(bytes, 12 + 8 * ((89 * 90 + 89) * 180)), -1);
+  EXPECT_EQ(number_at<double>(bytes, 12 + 8 * merl_index(0, 89, 89, 0)), -1);
   EXPECT_NE(bytes_of(path_.string() + ".txt").find("1/sr"), std::string::npos);
 }
 
@@ -148,6 +158,7 @@ TEST_F(BrdfExchange, AstmFileHoldsTheSlices) {
 }
 
 TEST_F(BrdfExchange, RadianceFileIsAKlemsMatrix) {
+  report_.request.lambda_um = {0.55};
   written("cu.xml");
   pugi::xml_document document;
   ASSERT_TRUE(document.load_file(path_.c_str()));
@@ -178,10 +189,18 @@ TEST_F(BrdfExchange, RefusesWhatItCannotSay) {
   EXPECT_THROW(written("cu.astm"), InputError);
 }
 
-TEST_F(BrdfExchange, SaysWhatAnAveragedAzimuthLost) {
-  model_ = lobe_model("ellipsoid", {0.3, 0.1}, material("Cu"));
-  written("cu.binary");
+TEST_F(BrdfExchange, AveragesAzimuthsAndSaysWhatThatLost) {
+  model_ = lobe_model("ellipsoid", {0.3, 0.1, 0, 0.1, 0.3}, Fresnel());
+  report_.request.lambda_um = {0.55};
+  const std::string bytes = written("cu.binary");
   EXPECT_NE(kept_.find("a mean over 8 azimuths"), std::string::npos) << kept_;
+  constexpr int kI = 30, kJ = 20, kK = 70;
+  double mean = 0;
+  for (int a = 0; a < 8; ++a) {
+    const auto [wi, wo] = merl_directions(kI, kJ, kK, a * kPi / 4);
+    mean += model_.metal.f(wi, wo, 0.55) / 8;
+  }
+  EXPECT_NEAR(number_at<double>(bytes, 12 + 8 * merl_index(0, kI, kJ, kK)) / 1500, mean, 1e-5 * mean);
 }
 
 }  // namespace

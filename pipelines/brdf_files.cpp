@@ -66,7 +66,7 @@ void write_slices(Hdf5Writer& file, const BrdfReport& report) {
     file.attach_scale(group + "/f", 0, "/brdf/lambda_um", "wavelength");
     file.attach_scale(group + "/f", 1, group + "/theta_o", "theta_o");
     file.set_attribute(group, "theta_i", theta_of(slice.wi));
-    file.set_attribute(group, "phi_i", phi_of(slice.wi));
+    file.set_attribute(group, "phi_i", slice.phi_i);
     file.set_attribute(group, "plane", slice.plane);
     file.set_attribute(group, "unit", std::string_view("1/sr"));
   }
@@ -134,8 +134,8 @@ std::string slices_csv(const BrdfReport& report) {
   text << '\n';
   for (const BrdfSlice& slice : report.slices)
     for (std::size_t k = 0; k < slice.theta_o.size(); ++k) {
-      text << theta_of(slice.wi) * kRadian << ',' << phi_of(slice.wi) * kRadian << ','
-           << slice.plane * kRadian << ',' << slice.theta_o[k] * kRadian;
+      text << theta_of(slice.wi) * kRadian << ',' << slice.phi_i * kRadian << ',' << slice.plane * kRadian
+           << ',' << slice.theta_o[k] * kRadian;
       for (const auto& f : slice.f)
         text << ',' << f[k];
       text << '\n';

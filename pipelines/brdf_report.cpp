@@ -1,6 +1,5 @@
 #include "pipelines/brdf_report.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,11 +12,16 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-BrdfSlice slice_of(const AnyBrdf& model, const Vec3& wi, double plane, const std::vector<double>& lambda_um) {
+/// The azimuth of wi, which along the normal has none of its own.
+double azimuth_of(const Vec3& wi, const BrdfRequest& request) {
+  return wi.head<2>().norm() > 0 ? std::atan2(wi.y(), wi.x()) : request.azimuth;
+}
+
+BrdfSlice slice_of(const AnyBrdf& model, const Vec3& wi, double phi_i, double plane,
+                   const std::vector<double>& lambda_um) {
   constexpr int kPerDegree = 10, kHalf = 90 * kPerDegree - 1;
-  const Vec2 mirror = wi.head<2>().norm() > 0 ? Vec2(-wi.head<2>().normalized()) : Vec2(1, 0);
-  const Vec2 away = Eigen::Rotation2Dd(plane) * mirror;
-  BrdfSlice slice{wi, plane, {}, std::vector<std::vector<double>>(lambda_um.size())};
+  const Vec2 away(-std::cos(phi_i + plane), -std::sin(phi_i + plane));
+  BrdfSlice slice{wi, phi_i, plane, {}, std::vector<std::vector<double>>(lambda_um.size())};
   for (int k = -kHalf; k <= kHalf; ++k)
     slice.theta_o.push_back(k * kDegree / kPerDegree);
   parallel_for(static_cast<std::int64_t>(lambda_um.size()), [&](std::int64_t c) {
@@ -48,18 +52,17 @@ BrdfReport evaluate_brdf(const BrdfModel& model, const std::string& material, co
   BrdfReport report{request, model.description, material, {}, {}, {}, {}, {}, {}};
   const std::vector<double>& lambda = request.lambda_um;
   const double middle = lambda[lambda.size() / 2];
-  constexpr double kSpectrumTolerance = 1e-3;
   for (const Vec3& wi : request.wi) {
     for (const double plane : request.planes)
-      report.slices.push_back(slice_of(model.metal, wi, plane, lambda));
+      report.slices.push_back(slice_of(model.metal, wi, azimuth_of(wi, request), plane, lambda));
     if (!request.albedo) continue;
     report.albedo.emplace_back();
     for (const double each : lambda)
       report.albedo.back().push_back(albedo(model.metal, wi, each, *request.albedo));
   }
   if (request.spectrum > 0 && !request.wi.empty())
-    report.spectrum = spectrum_of(model.metal, request.wi.front(), request.spectrum,
-                                  request.albedo.value_or(kSpectrumTolerance));
+    report.spectrum =
+        spectrum_of(model.metal, request.wi.front(), request.spectrum, request.spectrum_tolerance);
   if (request.furnace) {
     report.furnace = white_furnace(model.mirror, middle, *request.furnace);
     report.reciprocity = reciprocity(model.metal, middle);

@@ -15,17 +15,20 @@ namespace micro {
 struct BrdfRequest {
   std::vector<double> lambda_um = {0.45, 0.55, 0.65};
   std::vector<Vec3> wi;                ///< of slices and albedos
+  double azimuth = 0;                  ///< radians: of the plane of incidence of a wi along the normal
   std::vector<double> planes = {0};    ///< radians: azimuths of a wi's slices from its plane of incidence
   std::optional<double> albedo = {};   ///< tolerance of albedos
   std::optional<double> furnace = {};  ///< tolerance of the white furnace; with it goes reciprocity
   int spectrum = 0;  ///< wavelengths of the albedo's spectrum and its colour, for the first wi
+  double spectrum_tolerance = 1e-3;
   std::optional<HalfAngleGrid> table = {};
 };
 
 /// f in the plane that holds n and turns by `plane` about it from that of wi.
 struct BrdfSlice {
   Vec3 wi;
-  double plane;                        ///< radians
+  double phi_i;                        ///< radians: azimuth of the plane of incidence
+  double plane;                        ///< radians, from there
   std::vector<double> theta_o;         ///< radians, positive on the side a mirror sends to, turned by `plane`
   std::vector<std::vector<double>> f;  ///< [λ, theta_o] 1/sr
 };

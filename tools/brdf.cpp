@@ -38,10 +38,12 @@ BrdfRequest request_of(const Options& options) {
     request.wi.emplace_back(std::sin(theta) * std::cos(options.azimuth),
                             std::sin(theta) * std::sin(options.azimuth), std::cos(theta));
   }
+  request.azimuth = options.azimuth;
   if (!options.planes.empty()) request.planes.clear();
   for (const std::string& text : options.planes)
     request.planes.push_back(parse_angle(text));
   if (options.albedo) request.albedo = options.tolerance;
+  request.spectrum_tolerance = options.tolerance;
   if (options.furnace) request.furnace = options.tolerance;
   if (options.table) {
     request.table = HalfAngleGrid{};
@@ -141,10 +143,12 @@ Run add_brdf(CLI::App& app) {
   app.add_option("--lambda", options->lambda, "Wavelength (default 450nm 550nm 650nm); repeatable")
       ->type_name("LENGTH")
       ->allow_extra_args(false);
-  app.add_option("--wi", options->wi, "Polar angle of the light, for a slice in its plane; repeatable")
-      ->type_name("ANGLE")
-      ->allow_extra_args(false);
-  add_angle(app, "--azimuth", options->azimuth, "Azimuth of the light (default 0)");
+  CLI::Option* wi =
+      app.add_option("--wi", options->wi, "Polar angle of the light, for a slice in its plane; repeatable")
+          ->type_name("ANGLE")
+          ->allow_extra_args(false);
+  add_angle(app, "--azimuth", options->azimuth, "Azimuth of the light and of its slices' planes (default 0)")
+      ->needs(wi);
   app.add_option("--plane", options->planes,
                  "Azimuth of a slice from the plane of the light and the normal (default 0); repeatable")
       ->type_name("ANGLE")
@@ -157,9 +161,9 @@ Run add_brdf(CLI::App& app) {
   app.add_option("--tol", options->tolerance, "Absolute error of albedos")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_flag("--table", options->table,
-               "The whole BRDF over 90 x 90 x 180 half and difference angles, as MERL's");
-  add_angle(app, "--phi-h", options->phi_h, "Azimuth of the table's half vectors (default 0)");
+  CLI::Option* table = app.add_flag(
+      "--table", options->table, "The whole BRDF over 90 x 90 x 180 half and difference angles, as MERL's");
+  add_angle(app, "--phi-h", options->phi_h, "Azimuth of the table's half vectors (default 0)")->needs(table);
   app.add_option(
          "--write", options->write,
          "Also write the BRDF for others: .bsdf (RGL's tensor file: Mitsuba 3, pbrt-v4), .binary (MERL), "

@@ -43,6 +43,17 @@ std::string distribution_of(const BrdfModelOptions& options) {
   return named;
 }
 
+/// Refuses what is said of a table or a fit where the model is neither.
+void check_source(const BrdfModelOptions& options) {
+  const std::string distribution = options.model == "sun" ? "" : distribution_of(options);
+  const bool waves = !options.input.empty() && distribution.starts_with("kirchhoff");
+  const bool fit = !options.input.empty() && (distribution == "ellipsoid" || distribution == "beckmann");
+  if (options.masking && !waves)
+    throw CLI::ValidationError("--masking is that of a FILE's D_K: all other models have their own G");
+  if (options.fitted && !fit)
+    throw CLI::ValidationError("--fit-of is that of --distribution ellipsoid or beckmann of a FILE");
+}
+
 void check(const BrdfModelOptions& options) {
   const bool sun = options.model == "sun";
   if (sun && !(options.input.empty() && options.distribution.empty() && options.alpha.empty() &&
@@ -56,6 +67,7 @@ void check(const BrdfModelOptions& options) {
     throw CLI::ValidationError("--form is that of --model sun and of --coat");
   if (!options.input.empty() && !(options.alpha.empty() && options.theta.empty()))
     throw CLI::ValidationError("--alpha and --theta make a model; they do not go with a FILE");
+  check_source(options);
 }
 
 }  // namespace
@@ -72,8 +84,8 @@ void add_brdf_model_options(CLI::App& app, BrdfModelOptions& options) {
       "--distribution", options.distribution,
       "Of FILE: filtered (default), naive, kirchhoff, kirchhoff_spectrum or any other method in it, or "
       "ellipsoid or beckmann as fitted; without FILE: ellipsoid (default) or beckmann");
-  app.add_option("--fit-of", options.fitted, "The method whose fit ellipsoid and beckmann are")
-      ->capture_default_str();
+  app.add_option("--fit-of", options.fitted,
+                 "The method whose fit ellipsoid and beckmann are (default filtered)");
   app.add_option("--alpha", options.alpha, "Width of the model's lobe, or X,Y")
       ->delimiter(',')
       ->expected(1, 2);
@@ -87,9 +99,8 @@ void add_brdf_model_options(CLI::App& app, BrdfModelOptions& options) {
   app.add_option("--material", options.material,
                  "Al, Cu, Au, Ag, Fe, Cr, Ni, Ti, steel, mirror, or an index: 1.5 or 0.2,3.4")
       ->capture_default_str();
-  app.add_option("--masking", options.masking, "G of Kirchhoff models: smith or none")
-      ->check(CLI::IsMember({"smith", "none"}))
-      ->capture_default_str();
+  app.add_option("--masking", options.masking, "G of a FILE's D_K: smith (default) or none")
+      ->check(CLI::IsMember({"smith", "none"}));
   CLI::Option* coat = app.add_option("--coat", options.coat,
                                      "Index of a smooth, clear coat over the model [SunGlossy], such as 1.5")
                           ->check(CLI::Range(1., 100.));
@@ -113,7 +124,9 @@ BrdfModel make_brdf_model(const BrdfModelOptions& options) {
     if (options.model == "sun") return sun_model(*options.smoothness, form, fresnel);
     if (options.input.empty()) return lobe_model(distribution_of(options), lobe_of(options), fresnel);
     const Masking masking = options.masking == "none" ? Masking::None : Masking::Smith;
-    return result_model({options.input, distribution_of(options), options.fitted, masking, medium}, fresnel);
+    return result_model(
+        {options.input, distribution_of(options), options.fitted.value_or("filtered"), masking, medium},
+        fresnel);
   };
   if (!options.coat) return substrate();
   return coated_model(substrate(), {medium, options.coat_smoothness.value_or(Coat().smoothness)}, form);

@@ -11,8 +11,8 @@ namespace micro::tools {
 
 /// Which reflectance model the command line asks for: of a FILE's distribution, or of parameters alone.
 struct BrdfModelOptions {
-  std::string input, model, distribution, fitted = "filtered", material = "mirror", masking = "smith",
-                                          form = "corrected";
+  std::string input, model, distribution, material = "mirror", form = "corrected";
+  std::optional<std::string> fitted, masking;
   std::vector<std::string> alpha, theta;
   std::optional<double> smoothness, coat, coat_smoothness;
 };

@@ -120,6 +120,20 @@ TEST_F(BrdfCommand, SlicesLieInThePlaneAskedFor) {
   EXPECT_NEAR(Hdf5Reader(file("p.h5")).number_attribute("/brdf/slice1", "plane"), 70 * kDegree, 1e-12);
 }
 
+/// Light along the normal has no plane of incidence of its own: --azimuth names it.
+TEST_F(BrdfCommand, SlicesOfLightAlongTheNormalLieInThePlaneOfItsAzimuth) {
+  ASSERT_EQ(run("--alpha 0.3,0.1 --theta 10deg,-15deg --wi 0 --azimuth 20deg --plane 0 --plane 70deg "
+                "--lambda 550nm -o " +
+                file("n.h5"))
+                .code,
+            0);
+  const AnyBrdf model(Microfacet(Ellipsoid(slope_frame({0.3, 0.1, 10 * kDegree, -15 * kDegree}))));
+  for (const std::string slice : {"/brdf/slice0", "/brdf/slice1"}) {
+    EXPECT_NEAR(Hdf5Reader(file("n.h5")).number_attribute(slice, "phi_i"), 20 * kDegree, 1e-12);
+    expect_slice(slice, file("n.h5"), model, 0.55);
+  }
+}
+
 TEST_F(BrdfCommand, RefusesWhatMakesNoSense) {
   write_tables("r.h5");
   const std::string out = " -o " + file("o.h5");
@@ -136,10 +150,16 @@ TEST_F(BrdfCommand, RefusesWhatMakesNoSense) {
   for (const char* arguments :
        {"--model sun", "--smoothness 5", "--model sun --smoothness 0",
         "--model sun --smoothness 5 --alpha 0.2", "--model kirchhoff", "--alpha 0.2 --coat 0.9",
-        "--alpha 0.2 --coat-smoothness 5", "--alpha 0.2 --form printed", "--alpha 0.2 --plane x"})
+        "--alpha 0.2 --coat-smoothness 5", "--alpha 0.2 --form printed", "--alpha 0.2 --plane x",
+        "--alpha 0.2 --masking none", "--alpha 0.2 --fit-of filtered",
+        "--model sun --smoothness 5 --masking smith", "--alpha 0.2 --phi-h 10deg"})
     EXPECT_EQ(run(arguments + (" --wi 30deg" + out)).code, 2) << arguments;
   EXPECT_EQ(run("--alpha 0.2 --plane 10deg --furnace" + out).code, 2);  // of which light?
   EXPECT_EQ(run(file("r.h5") + " --model kirchhoff --distribution filtered --wi 30deg" + out).code, 2);
+  for (const char* arguments : {"--masking none", "--distribution ellipsoid --masking none",
+                                "--fit-of filtered", "--distribution kirchhoff_spectrum --fit-of filtered"})
+    EXPECT_EQ(run(file("r.h5") + " " + arguments + " --wi 30deg" + out).code, 2) << arguments;
+  EXPECT_EQ(run("--alpha 0.2 --azimuth 10deg --furnace" + out).code, 2);
   EXPECT_FALSE(std::filesystem::exists(file("o.h5")));
 }
 

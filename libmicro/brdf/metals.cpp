@@ -16,17 +16,15 @@ constexpr const char* kTransition =
 constexpr const char* kRakic =
     "A. D. Rakic, Algorithm for the determination of intrinsic optical constants of metal films: application "
     "to aluminum, Appl. Opt. 34, 4755-4767 (1995)";
+constexpr const char* kSteel =
+    "B. Karlsson and C. G. Ribbing, Optical constants and spectral selectivity of stainless steel and its "
+    "oxides, J. Appl. Phys. 53, 6340-6346 (1982), read from its figure by refractiveindex.info";
 
 std::vector<Metal> published() {
   const std::vector<double> noble = {0.3542, 0.3679, 0.3815, 0.3974, 0.4133, 0.4305, 0.4509, 0.4714, 0.4959,
                                      0.5209, 0.5486, 0.5821, 0.6168, 0.6595, 0.7045, 0.756,  0.8211, 0.892};
   const std::vector<double> transition = {0.354, 0.368, 0.381, 0.397, 0.413, 0.431, 0.451, 0.471, 0.496,
                                           0.521, 0.549, 0.582, 0.617, 0.659, 0.704, 0.756, 0.821, 0.892};
-  const OpticalConstants chromium = {
-      transition,
-      {1.84, 1.87, 1.92, 2, 2.08, 2.19, 2.33, 2.51, 2.75, 2.94, 3.18, 3.22, 3.17, 3.09, 3.05, 3.08, 3.2, 3.3},
-      {2.64, 2.69, 2.74, 2.83, 2.93, 3.04, 3.14, 3.24, 3.3, 3.33, 3.33, 3.3, 3.3, 3.34, 3.39, 3.42, 3.48,
-       3.52}};
   return {
       {"Al",
        "aluminium, evaporated",
@@ -69,7 +67,14 @@ std::vector<Metal> published() {
          2.96},
         {2.35, 2.43, 2.5, 2.58, 2.65, 2.71, 2.77, 2.82, 2.88, 2.91, 2.93, 2.99, 3.05, 3.1, 3.19, 3.28, 3.39,
          3.56}}},
-      {"Cr", "chromium", kTransition, chromium},
+      {"Cr",
+       "chromium",
+       kTransition,
+       {transition,
+        {1.84, 1.87, 1.92, 2, 2.08, 2.19, 2.33, 2.51, 2.75, 2.94, 3.18, 3.22, 3.17, 3.09, 3.05, 3.08, 3.2,
+         3.3},
+        {2.64, 2.69, 2.74, 2.83, 2.93, 3.04, 3.14, 3.24, 3.3, 3.33, 3.33, 3.3, 3.3, 3.34, 3.39, 3.42, 3.48,
+         3.52}}},
       {"Ni",
        "nickel",
        kTransition,
@@ -86,7 +91,17 @@ std::vector<Metal> published() {
          3.29},
         {2.87, 2.9, 2.93, 2.95, 2.98, 3.01, 3.04, 3.1, 3.19, 3.3, 3.43, 3.58, 3.72, 3.84, 3.96, 4.01, 4.01,
          3.96}}},
-      {"steel", "stainless steel, by chromium as its stand-in", kTransition, chromium},
+      {"steel",
+       "austenitic stainless steel, 18.5 % Cr, 9.3 % Ni",
+       kSteel,
+       {{0.34, 0.36, 0.38, 0.4,  0.42, 0.44, 0.46, 0.48, 0.5,  0.52, 0.54, 0.56, 0.58,
+         0.6,  0.62, 0.64, 0.66, 0.68, 0.7,  0.72, 0.74, 0.76, 0.78, 0.8,  0.82, 0.84},
+        {1.395,  1.4354, 1.4786, 1.5249, 1.5762, 1.6386, 1.7169, 1.7921, 1.8636,
+         1.9349, 2.0072, 2.0807, 2.1557, 2.2325, 2.3122, 2.3962, 2.4839, 2.5731,
+         2.6617, 2.7486, 2.8331, 2.9143, 2.9915, 3.0655, 3.1374, 3.2096},
+        {2.4165, 2.5447, 2.6681, 2.7925, 2.924,  3.0555, 3.1785, 3.2933, 3.401,
+         3.5072, 3.6166, 3.7298, 3.8451, 3.9594, 4.0504, 4.1378, 4.2261, 4.3155,
+         4.4066, 4.5036, 4.5851, 4.6435, 4.7009, 4.7583, 4.816,  4.8744}}},
   };
 }
 

@@ -16,9 +16,7 @@ struct Metal {
   OpticalConstants constants;
 };
 
-/// All that are known. For stainless steel no published spectrum of η and κ was at hand; chromium stands in,
-/// of which its passive film is made and whose reflectance (0.55 at 0.55 µm) comes nearer to polished steel's
-/// than iron's (0.51) does.
+/// All that are known.
 const std::vector<Metal>& metals();
 
 /// One by its name. Throws InputError, naming those there are.

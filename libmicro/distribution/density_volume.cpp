@@ -90,8 +90,7 @@ double DensityVolume::operator()(const Vec3& q) const {
   double sum = 0;
   for (int b = 0; b < kTaps; ++b)
     for (int a = 0; a < kTaps; ++a) {
-      const std::size_t from =
-          index(x.first + a, y.first + b) + static_cast<std::size_t>(z.first - grid_.first_z);
+      const std::size_t from = index(x.first + a, y.first + b, z.first - grid_.first_z);
       double along_z = 0;
       for (std::size_t c = 0; c < kTaps; ++c)
         along_z += z.weight[c] * static_cast<double>(values_[from + c]);

@@ -51,8 +51,8 @@ class DensityVolume {
   std::int64_t bytes() const { return grid_.size() * static_cast<std::int64_t>(sizeof(float)); }
 
   /// D in 1/sr at node (i, j, k), |i| ≤ reach_x, |j| ≤ reach_y, 0 ≤ k < count_z (q_z = (first_z + k)·step_z).
-  float& at(std::int64_t i, std::int64_t j, std::int64_t k) { return values_[index(i, j) + k]; }
-  float at(std::int64_t i, std::int64_t j, std::int64_t k) const { return values_[index(i, j) + k]; }
+  float& at(std::int64_t i, std::int64_t j, std::int64_t k) { return values_[index(i, j, k)]; }
+  float at(std::int64_t i, std::int64_t j, std::int64_t k) const { return values_[index(i, j, k)]; }
 
   /// D(q) in 1/sr, q in rad/µm, with D(−q) = D(q). Throws InputError beyond the extent.
   double operator()(const Vec3& q) const;
@@ -62,8 +62,9 @@ class DensityVolume {
   void scale(double factor);
 
  private:
-  std::size_t index(std::int64_t i, std::int64_t j) const {
-    return static_cast<std::size_t>(((j + grid_.reach_y) * grid_.cols() + i + grid_.reach_x) * grid_.count_z);
+  std::size_t index(std::int64_t i, std::int64_t j, std::int64_t k) const {
+    return static_cast<std::size_t>(((j + grid_.reach_y) * grid_.cols() + i + grid_.reach_x) * grid_.count_z +
+                                    k);
   }
   VolumeExtent extent_;
   VolumeGrid grid_;
