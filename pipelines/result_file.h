@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
+#include "io/png.h"
 #include "pipelines/ndf_of_scans.h"
 
 namespace micro {
@@ -16,6 +18,10 @@ void write_ndf_picture(const std::filesystem::path& path, const NdfOfScans& ndf)
 
 /// Writes a PNG contact sheet: the scans that have a thumbnail, then every NDF, each with its name.
 void write_contact_sheet(const std::filesystem::path& path, const NdfResult& result);
+
+/// Tables on one grid (at least one) beside each other, all to the extent that the widest of them needs:
+/// their widths may be compared by eye [Dong15 Fig. 5]. Each is drawn down from its own peak.
+Picture comparison_sheet(const std::vector<NdfOfScans>& ndfs);
 
 /// Writes what was done as text for people: the scans' table, the NDFs' table, that of
 /// their fits and the plan.

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "height/gaussian_surface.h"
 #include "height/make_holes.h"
 #include "io/zygo_dat.h"
+#include "pipelines/result_file.h"
 #include "testing/temporary_folder.h"
 
 namespace micro {
@@ -47,6 +49,27 @@ TEST_F(StudyTest, FiltersReportWhatTheyChanged) {
   EXPECT_GT(study.rows[3].filled, study.rows[2].filled);
   EXPECT_EQ(study.rows[0].difference, 0);
   EXPECT_TRUE(std::isfinite(study.rows[3].difference));
+}
+
+/// The same density on all of a disk of that radius.
+NdfOfScans disk(double radius) {
+  NdfOfScans ndf;
+  ndf.density = make_disk_table({129, 1});
+  for (Eigen::Index j = 0; j < 129; ++j)
+    for (Eigen::Index i = 0; i < 129; ++i)
+      if (ndf.density.grid.mz2(j, i) > 1 - radius * radius) ndf.density.density(j, i) = 1;
+  return ndf;
+}
+
+Eigen::Index lightest(const Picture& sheet) {
+  return std::count(sheet.data(), sheet.data() + sheet.size(), Rgb{255, 255, 217});
+}
+
+TEST(ComparisonSheet, ShowsWidthsToOneScale) {
+  const Eigen::Index wide = lightest(comparison_sheet({disk(0.8)}));
+  const Eigen::Index both = lightest(comparison_sheet({disk(0.2), disk(0.8)}));
+  constexpr double nodes_on_the_rim = 1;  // of the smaller disk, whose radius is 12.8 nodes
+  EXPECT_NEAR(static_cast<double>(wide) / static_cast<double>(both - wide), 16, nodes_on_the_rim);
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ Picture picture_of(const DiskTable& table, const DiskView& view);
 /// a − b, white where they agree, red where a is larger and blue where b is, full at 20 % of the peak.
 Picture difference_of(const DiskTable& a, const DiskTable& b, const DiskView& view);
 
-/// Side of the square that either picture fits into.
-constexpr Eigen::Index kThumbnail = 256;
+/// Side of the square that either picture fits into: the usual tables of 1025 and 257 nodes by their centres.
+constexpr Eigen::Index kThumbnail = 257;
 
 }  // namespace micro

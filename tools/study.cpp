@@ -27,10 +27,10 @@ int conclude(const Study& study, const Options& options) {
   const OutputLock lock(output);
   write_text_file(output / "study.csv", to_csv(study));
   write_text_file(output / "study.md", to_markdown(study));
-  NdfResult pictures;
+  std::vector<NdfOfScans> ndfs;
   for (const StudyRow& row : study.rows)
-    pictures.ndfs.push_back(row.ndf);
-  write_contact_sheet(output / "contact_sheet.png", pictures);
+    ndfs.push_back(row.ndf);
+  write_png(output / "contact_sheet.png", comparison_sheet(ndfs));
   std::printf("%s\n", options.common.json ? to_json(study).c_str() : to_markdown(study).c_str());
   return kDone;
 }
