@@ -67,7 +67,8 @@ TEST_F(ScanTools, SynthTakesOnlyWhatAppliesToItsKind) {
               2)
         << wrong;
   for (const char* wrong : {"gaussian --rows 0", "gaussian --tau 0", "gaussian --holes 1.5",
-                            "brushed --width 0", "facet --side 1nm", "sinusoid --period 0.7um --periodic"}) {
+                            "brushed --width 0", "facet --side 1nm", "sinusoid --period 0.7um --periodic",
+                            "plane --tilt-x 90deg", "facet --tilt-y 100deg", "blazed --blaze 91deg"}) {
     const Outcome outcome = run(std::string("synth ") + wrong + " -o " + file("a.dat"));
     EXPECT_EQ(outcome.code, 2) << wrong << outcome.err;
     EXPECT_FALSE(outcome.err.empty());

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -100,6 +101,13 @@ Make add_brushed(CLI::App& app) {
   };
 }
 
+/// What rises at an angle. Throws InputError if that is upright or more.
+double slope_of(double angle, const std::string& option) {
+  if (!(std::abs(angle) < std::numbers::pi / 2))
+    throw InputError(option + ": a surface of one height over each point is less than 90 degrees steep");
+  return std::tan(angle);
+}
+
 std::shared_ptr<Grating> add_grating(CLI::App& app) {
   auto grating = std::make_shared<Grating>();
   add_length(app, "--period", grating->period, "Period (default 4 µm)");
@@ -125,7 +133,7 @@ Make add_blazed(CLI::App& app) {
   auto blaze = std::make_shared<double>(0);
   auto* angle = add_angle(app, "--blaze", *blaze, "Blaze angle, instead of a depth")->excludes(depth);
   return [grating, blaze, angle](const Options& options) {
-    if (angle->count() > 0) grating->depth = grating->period * std::tan(*blaze);
+    if (angle->count() > 0) grating->depth = grating->period * slope_of(*blaze, "--blaze");
     return blazed_surface(options.grid, *grating, options.border);
   };
 }
@@ -142,6 +150,8 @@ Make add_two_level(CLI::App& app) {
 
 struct Tilt {
   double x = 0, y = 0;  ///< radians
+  double slope_x() const { return slope_of(x, "--tilt-x"); }
+  double slope_y() const { return slope_of(y, "--tilt-y"); }
 };
 
 std::shared_ptr<Tilt> add_tilt(CLI::App& app) {
@@ -154,7 +164,7 @@ std::shared_ptr<Tilt> add_tilt(CLI::App& app) {
 Make add_plane(CLI::App& app) {
   auto tilt = add_tilt(app);
   return [tilt](const Options& options) {
-    return plane_surface(options.grid, std::tan(tilt->x), std::tan(tilt->y));
+    return plane_surface(options.grid, tilt->slope_x(), tilt->slope_y());
   };
 }
 
@@ -163,7 +173,7 @@ Make add_facet(CLI::App& app) {
   auto side = std::make_shared<double>(10);
   add_length(app, "--side", *side, "Side of the square facet (default 10 µm)");
   return [tilt, side](const Options& options) {
-    return facet_surface(options.grid, *side, std::tan(tilt->x), std::tan(tilt->y));
+    return facet_surface(options.grid, *side, tilt->slope_x(), tilt->slope_y());
   };
 }
 

@@ -140,7 +140,8 @@ CorrelationLengths correlation_lengths(const Autocorrelation& acf, double direct
   const double along = std::isnan(direction) ? 0 : direction;
   CorrelationLengths lengths{};
   lengths.Sal = std::isfinite(border.shortest) ? border.shortest : kNone;
-  lengths.Str = border.reaches_end ? kNone : border.shortest / border.longest;
+  const bool profile = acf.rho.rows() == 1 || acf.zero == 0;  // one row or column has one direction
+  lengths.Str = border.reaches_end || profile ? kNone : border.shortest / border.longest;
   lengths.along = decay_length(acf, along, 1 / std::numbers::e);
   lengths.across = decay_length(acf, along + std::numbers::pi / 2, 1 / std::numbers::e);
   return lengths;

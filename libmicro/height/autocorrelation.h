@@ -20,7 +20,7 @@ Autocorrelation autocorrelation(const HeightField& surface);
 /// Lengths in µm where the autocorrelation has decayed; NaN where it does not within half the surface.
 struct CorrelationLengths {
   double Sal;     ///< ISO 25178-2: the shortest lag on the border of the central region where ρ ≥ 0.2
-  double Str;     ///< ISO 25178-2: Sal over the longest such lag, 0 … 1 (isotropic)
+  double Str;     ///< ISO 25178-2: Sal over the longest such lag, 0 … 1 (isotropic); none of a profile
   double along;   ///< ρ = 1/e along `direction`
   double across;  ///< ρ = 1/e at right angles to it
 };

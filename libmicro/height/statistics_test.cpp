@@ -209,5 +209,15 @@ TEST(CorrelationLengths, WhatDoesNotDecayIsNone) {
   EXPECT_TRUE(std::isnan(correlation_lengths(autocorrelation(flat), 0).Sal));
 }
 
+TEST(CorrelationLengths, AProfileHasNoAspectRatio) {
+  Grid<double> row(1, 9);
+  row << 0, 1, 0, -1, 0, 1, 0, -1, 0;
+  for (const Grid<double>& z : {row, Grid<double>(row.transpose())}) {
+    const CorrelationLengths lengths = correlation_lengths(autocorrelation(make_height_field(z, 1, 1)), 0);
+    EXPECT_GT(lengths.Sal, 0);
+    EXPECT_TRUE(std::isnan(lengths.Str));
+  }
+}
+
 }  // namespace
 }  // namespace micro

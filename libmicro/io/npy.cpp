@@ -113,7 +113,8 @@ HeightField read_npy(const std::filesystem::path& path, const ReadOptions& optio
   if (type.starts_with('\'') || type.starts_with('"')) type.remove_prefix(1);
   const ReadValues read_values_of_type = type.empty() ? nullptr : reader_of(type.substr(1));
   if (!read_values_of_type || std::string_view("<>|=").find(type.front()) == string_view::npos)
-    throw FileError(path, "its values have the type " + quoted(type) + "; heights are floats or integers");
+    throw FileError(path, "its values have the type " + quoted(type) +
+                              "; heights are integers or floats of 32 or 64 bits");
   const string_view fortran = value_of(file, dictionary, "fortran_order", ",} ");
   file.require(fortran == "True" || fortran == "False", "its header does not say the memory order");
   const auto [rows, cols] = parse_shape(file, value_of(file, dictionary, "shape", ")"));

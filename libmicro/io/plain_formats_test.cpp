@@ -135,6 +135,9 @@ TEST_F(PlainFormats, TextRefusalsNameTheLine) {
   refused("1 2\n3 four\n", "line 2: \"four\"");
   refused("1;2\n1,5;2,5\n", "decimals with a point");
   refused("1 2\n3 4x\n", "line 2");
+  refused("0,5;0,6\n0,7;0,8\n", "nothing but numbers, with decimal points");
+  refused("x y z\n1 2 3\n", "nothing but numbers");
+  refused("", "is empty");
 }
 
 TEST_F(PlainFormats, DigitalSurfInEitherByteOrderAndWidth) {

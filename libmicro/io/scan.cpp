@@ -64,9 +64,19 @@ const ScanFormat* format_at(std::size_t index) {
   return index < kFormats.size() ? &kFormats[index] : nullptr;
 }
 
+/// Why a file that no format recognises is refused.
+std::string nothing_known(const FileBytes& head) {
+  if (head.file_size() == 0) return "is empty";
+  const auto bytes = head.bytes();
+  const bool text = std::none_of(bytes.begin(), bytes.end(), [](std::byte b) { return b < std::byte{'\t'}; });
+  return std::string("is no scan in a known format") +
+         (text ? "; as a text matrix it would hold nothing but numbers, with decimal points, and # comments"
+               : "");
+}
+
 Scan read_here(const FileBytes& head, const ReadOptions& options) {
   const ScanFormat* format = recognise(head);
-  if (!format) throw FileError(head.path(), "is no scan in a known format");
+  if (!format) throw FileError(head.path(), nothing_known(head));
   try {
     return {.surface = format->read(head.path(), options), .path = head.path(), .format = format->name};
   } catch (const std::bad_alloc&) {
