@@ -63,7 +63,7 @@ if [[ $all -eq 0 ]]; then
   scripts/install-packages.sh build test
   run_preset release
 else
-  scripts/install-packages.sh build test heavy
+  scripts/install-packages.sh build test bench heavy
   run_preset release -DMICRO_HEAVY=ON
   run_preset dev
   run_preset dev-clang

@@ -1,4 +1,8 @@
+// Distributions and their fits, one thread. Each case says how far it is from the multiply-adds that it
+// cannot do without (a division, a root counts as one), or from the cache lines that it must fetch.
 #include <benchmark/benchmark.h>
+
+#include <numbers>
 
 #include "core/parallel.h"
 #include "core/random.h"
@@ -7,6 +11,7 @@
 #include "distribution/tabulate.h"
 #include "distribution/tabulated.h"
 #include "fit/fit.h"
+#include "of_bound.h"
 
 namespace micro {
 namespace {
@@ -24,49 +29,73 @@ std::vector<Vec3> directions(int n) {
   return all;
 }
 
+/// What one call needs of the machine, and what the machine gives a second.
+struct Need {
+  double amount, bound;
+};
+/// Into the round lobe's frame, its density there; u' and its area.
+Need ellipsoid_dg1() {
+  return {22, peak()};
+}
+/// The same, and an exponential and an error function of some twenty terms each.
+Need beckmann_dg1() {
+  return {22 + 2 * 20, peak()};
+}
+/// Into the frame and back, a point on a disk with its sine and cosine.
+Need visible_normal() {
+  return {60, peak()};
+}
+/// Two rows of nodes of D and two of the masking table.
+Need tabulated() {
+  constexpr double cache_line = 64;
+  return {4 * cache_line, bandwidth()};
+}
+
 /// D(m)·G1(u) for each pair of directions.
 template <typename Model>
-void evaluate(benchmark::State& state, const Model& model) {
+void evaluate(benchmark::State& state, const Model& model, const Need& need) {
   const std::vector<Vec3> m = directions(4096);
   benchmark::DoNotOptimize(model.G1(m[0]));  // tables that are made when they are first asked for
-  for (auto _ : state) {
+  const double seconds = seconds_of(state, [&] {
     double sum = 0;
     for (std::size_t k = 0; k < m.size(); ++k)
       sum += model.D(m[k]) * model.G1(m[m.size() - 1 - k]);
-    benchmark::DoNotOptimize(sum);
-  }
-  state.counters["D*G1/s"] =
-      benchmark::Counter(static_cast<double>(m.size()), benchmark::Counter::kIsIterationInvariantRate);
+    return sum;
+  });
+  const auto pairs = static_cast<double>(m.size());
+  state.counters["D*G1/s"] = benchmark::Counter(pairs, benchmark::Counter::kIsIterationInvariantRate);
+  report_bound(state, seconds, pairs * need.amount, need.bound);
 }
 
 void BM_EllipsoidDG1(benchmark::State& state) {
-  evaluate(state, Ellipsoid(kFrame));
+  evaluate(state, Ellipsoid(kFrame), ellipsoid_dg1());
 }
 void BM_BeckmannDG1(benchmark::State& state) {
-  evaluate(state, Beckmann(kFrame));
+  evaluate(state, Beckmann(kFrame), beckmann_dg1());
 }
 void BM_TabulatedDG1(benchmark::State& state) {
-  evaluate(state, Tabulated(tabulate(Ellipsoid(kFrame), {1025, 1})));
+  evaluate(state, Tabulated(tabulate(Ellipsoid(kFrame), {1025, 1})), tabulated());
 }
 
 template <typename Model>
-void sample(benchmark::State& state, const Model& model) {
+void sample(benchmark::State& state, const Model& model, const Need& need) {
   const Vec3 u = Vec3(0.6, 0.3, 0.5).normalized();
   benchmark::DoNotOptimize(model.sample_visible(u, {0.5, 0.5}));
   std::uint64_t k = 0;
-  for (auto _ : state) {
+  const double seconds = seconds_of(state, [&] {
     const auto [a, b] = random_uniform(2, 0, k++);
-    benchmark::DoNotOptimize(model.sample_visible(u, {a, b}));
-  }
+    return model.sample_visible(u, {a, b});
+  });
+  report_bound(state, seconds, need.amount, need.bound);
 }
 void BM_EllipsoidVisibleNormal(benchmark::State& state) {
-  sample(state, Ellipsoid(kFrame));
+  sample(state, Ellipsoid(kFrame), visible_normal());
 }
 void BM_BeckmannVisibleNormal(benchmark::State& state) {
-  sample(state, Beckmann(kFrame));
+  sample(state, Beckmann(kFrame), visible_normal());
 }
 void BM_TabulatedVisibleNormal(benchmark::State& state) {
-  sample(state, Tabulated(tabulate(Ellipsoid(kFrame), {1025, 1})));
+  sample(state, Tabulated(tabulate(Ellipsoid(kFrame), {1025, 1})), tabulated());
 }
 
 /// A histogram-like table: an ellipsoid with noise that grows as the root of the density.
@@ -79,13 +108,20 @@ DiskTable noisy_table(int size) {
   return table;
 }
 
+/// Multiply-adds of one pass over a table's disk: the model and its five derivatives at a node, and the sums
+/// of their products.
+double pass_over(int size) {
+  constexpr double each = 63;
+  return each * std::numbers::pi / 4 * size * size;
+}
+
 void fit_tables(benchmark::State& state, FitModel model) {
   set_thread_count(1);
   const DiskTable table = noisy_table(static_cast<int>(state.range(0)));
   int iterations = 0;
-  for (auto _ : state)
-    iterations = fit(table, model).iterations;
+  const double seconds = seconds_of(state, [&] { return iterations = fit(table, model).iterations; });
   state.counters["iterations"] = iterations;
+  report_bound(state, seconds, iterations * pass_over(table.grid.size), peak());
   set_thread_count(0);
 }
 void BM_FitEllipsoid(benchmark::State& state) {
@@ -100,8 +136,9 @@ void BM_NormalEquations(benchmark::State& state) {
   set_thread_count(1);
   const DiskTable table = noisy_table(1025);
   TableEquations equations(table);
-  for (auto _ : state)
-    benchmark::DoNotOptimize(equations(kFrame, FitModel::EllipsoidNdf, Weighting::SolidAngle));
+  const double seconds =
+      seconds_of(state, [&] { return equations(kFrame, FitModel::EllipsoidNdf, Weighting::SolidAngle); });
+  report_bound(state, seconds, pass_over(table.grid.size), peak());
   set_thread_count(0);
 }
 

@@ -12,9 +12,9 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "distribution/ring_convolution.h"
-#include "machine_bounds.h"
 #include "ndf/gaussian_passes.h"
 #include "ndf/normal_counts.h"
+#include "of_bound.h"
 
 namespace micro {
 namespace {
@@ -33,31 +33,6 @@ HeightField scan(double holes) {
     z.data()[k] = random_uniform(1, 1, index)[0] < holes ? kMissing : 0.05 * random_normal(1, 0, index)[0];
   }
   return make_height_field(z, kPitch, kPitch);
-}
-
-/// Runs the case; processor seconds of one iteration. Like the bounds it is of one thread.
-template <typename Body>
-double seconds_of(benchmark::State& state, Body&& body) {
-  set_thread_count(1);
-  const std::clock_t start = std::clock();
-  for (auto _ : state)
-    benchmark::DoNotOptimize(body());
-  return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC / static_cast<double>(state.iterations());
-}
-
-/// "of bound" = 1: as fast as the machine can.
-void report_bound(benchmark::State& state, double seconds, double needed, double bound) {
-  state.counters["of bound"] = needed / bound / seconds;
-}
-
-double peak() {
-  static const double measured = peak_multiply_adds();
-  return measured;
-}
-
-double bandwidth() {
-  static const double measured = copy_bandwidth();
-  return measured;
 }
 
 /// Seconds of the literal weighted fit of all of a scan's points: the nine moments of each window to ±7σ,
@@ -88,6 +63,7 @@ double literal_seconds(const HeightField& surface) {
 /// Multiply-adds that the fits cannot do without: two convolutions per point, each separable into two passes,
 /// of which the row passes share their input; nine moments with holes (five row passes, nine column passes).
 void filtered(benchmark::State& state, double holes, double passes) {
+  set_thread_count(1);
   const HeightField surface = scan(holes);
   const double seconds =
       seconds_of(state, [&] { return filtered_counts(local_planes(surface, kSigma), kGrid); });
@@ -105,6 +81,7 @@ void BM_FilteredHoles(benchmark::State& state) {
 
 /// Reads the heights, and zeroes and fills a table of counts.
 void BM_Naive(benchmark::State& state) {
+  set_thread_count(1);
   const HeightField surface = scan(0);
   const double seconds = seconds_of(state, [&] { return naive_counts(surface, kGrid); });
   const double nodes = static_cast<double>(kGrid.size) * kGrid.size;
@@ -116,6 +93,7 @@ void BM_Naive(benchmark::State& state) {
 /// for each node twice and a third time for the hemisphere's, and the transforms of the pairs of rings in
 /// reach of each other (n log₂ n multiply-adds of n points), once whole and once of a quarter.
 void BM_Signature(benchmark::State& state) {
+  set_thread_count(1);
   DiskTable table = make_disk_table(kGrid);
   for (Eigen::Index j = 0; j < kGrid.size; ++j)
     for (Eigen::Index i = 0; i < kGrid.size; ++i)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages of the named sets, as far as they are missing:
-#   scripts/install-packages.sh build|test|heavy...
+#   scripts/install-packages.sh build|test|bench|heavy...
 # What is there already is left alone, so a second run needs neither network nor rights.
 # docs/dependencies.md says why each package is wanted.
 set -euo pipefail
@@ -10,8 +10,8 @@ declare -A packages=(
     libeigen3-dev libfftw3-dev libhdf5-dev libopenexr-dev libpng-dev libssl-dev zlib1g-dev libzip-dev libpugixml-dev libhwy-dev librandom123-dev
     libcli11-dev nlohmann-json3-dev"
   [test]="libgtest-dev libboost-dev python3 python3-h5py python3-matplotlib"
-  [heavy]="clang-14 libclang-rt-14-dev libomp-14-dev clang-format-14 clang-tidy-14 libbenchmark-dev
-    libgwyddion20-dev slurm-wlm munge"
+  [bench]="libbenchmark-dev libgwyddion20-dev libglib2.0-dev python3 python3-numpy"
+  [heavy]="clang-14 libclang-rt-14-dev libomp-14-dev clang-format-14 clang-tidy-14 slurm-wlm munge"
 )
 
 say() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; }
