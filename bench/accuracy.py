@@ -112,8 +112,10 @@ BRDF_CURVES = [
     ("brdf", "albedo", "tolerance", "directional albedo at 60°: difference to one of tolerance 1e-6"),
     ("brdf", "table", "nodes a side",
      "f of a tabulated distribution, relative L2 over samples of the model; seconds for 90 × 90 × 180 bins at 3 wavelengths"),
+    ("brdf", "half-angle table", "N",
+     "f in the nearest of N × N × 2N bins, as readers of MERL's files look it up (N = 90), same error; seconds to fill it at one wavelength"),
     ("brdf", "spectrum", "wavelengths",
-     "colour of the albedo at 60°, largest difference in linear sRGB to 200 wavelengths; each albedo to 1e-4, on the same lattice"),
+     "colour of the albedo at 60°, largest difference in linear sRGB to 200 wavelengths; each albedo to 2e-4, on the same lattice"),
 ]
 
 
@@ -130,7 +132,7 @@ def brdf_section(rows):
     yield "## Reflectance"
     yield ""
     yield "Copper under a round lobe (α 0.2) and a needle (0.3, 0.03), ellipsoid NDFs with their G1; 0.55 µm unless said."
-    yield "Seconds of this section were taken while other programs used both cores: an idle machine needs less."
+    yield "Light at 60°. Seconds of this section are CPU seconds of all threads."
     yield from curve_tables(rows, BRDF_CURVES)
 
 
