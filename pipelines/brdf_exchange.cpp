@@ -22,8 +22,11 @@ namespace {
 /// Rounding leaves this much between a model and itself turned.
 constexpr double kIsotropic = 1e-6;
 
-/// What every header says: model, material, unit, wavelengths, version, source.
-std::vector<std::string> description(const BrdfReport& report, const std::string& command) {
+constexpr const char* kAtDirections = "at single directions: averaged over no solid angle";
+
+/// What every header says: model, material, unit, solid angle, wavelengths, version, source.
+std::vector<std::string> description(const BrdfReport& report, const std::string& command,
+                                     const std::string& solid_angle = kAtDirections) {
   const Origin origin = origin_of(command);
   std::ostringstream wavelengths;
   wavelengths << "wavelengths (um):";
@@ -31,7 +34,7 @@ std::vector<std::string> description(const BrdfReport& report, const std::string
     wavelengths << ' ' << lambda;
   return {"model: " + report.description,
           "material: " + report.material,
-          "BRDF in 1/sr, without the cosine",
+          "BRDF in 1/sr, without the cosine, " + solid_angle,
           wavelengths.str(),
           "microbrdf " + origin.version + ", " + origin.created,
           "command: " + origin.command};
@@ -173,7 +176,9 @@ std::string write_radiance(const std::filesystem::path& path, const AnyBrdf& mod
     weights.push_back(colour.xyz(alone).y());
   }
   const KlemsMatrix matrix = klems_matrix(model, lambda_um, weights, kDraws);
-  write_klems_xml(path, {report.material, "microbrdf", joined(description(report, command), "; ")}, matrix.f);
+  const auto lines =
+      description(report, command, "a mean over the projected solid angles of both Klems patches");
+  write_klems_xml(path, {report.material, "microbrdf", joined(lines, "; ")}, matrix.f);
   std::ostringstream kept;
   kept << "145 x 145 patches, luminance under D65, standard error of a patch's albedo at most "
        << matrix.standard_error;

@@ -117,7 +117,9 @@ TEST_F(BrdfCommand, SlicesLieInThePlaneAskedFor) {
   const AnyBrdf model(Microfacet(gtr2_anisotropic(0.3, 0.1)));
   expect_slice("/brdf/slice0", file("p.h5"), model, 0.55);
   expect_slice("/brdf/slice1", file("p.h5"), model, 0.55);
-  EXPECT_NEAR(Hdf5Reader(file("p.h5")).number_attribute("/brdf/slice1", "plane"), 70 * kDegree, 1e-12);
+  const Hdf5Reader reader(file("p.h5"));
+  EXPECT_NEAR(reader.number_attribute("/brdf/slice1", "plane"), 70 * kDegree, 1e-12);
+  EXPECT_NE(reader.text_attribute("/", "command").find("--plane 0 --plane 70deg"), std::string::npos);
 }
 
 /// Light along the normal has no plane of incidence of its own: --azimuth names it.

@@ -85,10 +85,13 @@ std::string command_line_of(const CLI::App& app) {
       app.get_parent() != nullptr ? command_line_of(*app.get_parent()) + " " + app.get_name() : "microbrdf";
   for (const CLI::Option* option : app.get_options()) {
     if (option->count() == 0) continue;
-    if (!option->get_positional()) command += " " + option->get_name();
+    const std::string name = option->get_positional() ? "" : " " + option->get_name();
+    command += name;
     if (option->get_items_expected_max() == 0) continue;  // a flag
+    // An option that takes one argument at a time has its name before each.
+    const std::string again = option->get_allow_extra_args() ? "" : name;
     for (const std::string& value : option->results())
-      command += " " + value;
+      command += (&value == &option->results().front() ? "" : again) + " " + value;
   }
   return command;
 }
