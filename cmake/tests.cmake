@@ -36,5 +36,7 @@ add_room_tests(io libmicro/io hdf5::hdf5)
 add_room_tests(pipelines pipelines micro_pipelines nlohmann_json::nlohmann_json hdf5::hdf5)
 # Hostile files that go through the whole program, for each format.
 target_compile_definitions(io_test PRIVATE MICRO_MUTATIONS_OF_PROGRAM=$<IF:$<BOOL:${MICRO_HEAVY}>,1000,10>)
+# Random lobes in noise that are fitted.
+target_compile_definitions(fit_test PRIVATE MICRO_NOISY_LOBES=$<IF:$<BOOL:${MICRO_HEAVY}>,1000,200>)
 target_link_libraries(io_test PRIVATE OpenEXR::OpenEXR PNG::PNG ZLIB::ZLIB)
 add_room_tests(tools tools micro_tools nlohmann_json::nlohmann_json hdf5::hdf5)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace micro {
 namespace {
@@ -78,35 +79,40 @@ SlopeFrame scatter_step(const SlopeFrame& frame, const WeightedSlopes& slopes, d
 
 TableNodes core_nodes(const DiskTable& table, std::size_t most) {
   const Eigen::Index n = table.grid.size;
-  const double peak = table.density.maxCoeff();
+  const Grid<double>& density = table.density;
   constexpr double kFaint = 1e-3, kEnough = 0.9;
-  double threshold = kFaint * peak, above = 0, whole = 0;
-  std::size_t count = 0, count_all = 0;
-  for (Eigen::Index k = 0; k < n * n; ++k) {
-    const double d = table.density.data()[k];
-    whole += std::max(0., d);
-    above += d >= threshold ? d : 0;
-    count += d >= threshold ? 1 : 0;
-    count_all += d > 0 ? 1 : 0;
+  double threshold = kFaint * density.maxCoeff();
+  const auto bright = density >= threshold;
+  Eigen::Index count = bright.count();
+  if (!(bright.select(density, 0.).sum() >= kEnough * density.max(0.).sum())) {
+    threshold = std::numeric_limits<double>::denorm_min();
+    count = (density > 0).count();
   }
-  if (!(above >= kEnough * whole)) {
-    threshold = 0;
-    count = count_all;
-  }
-  const std::size_t stride = (count + most - 1) / std::max<std::size_t>(1, most);
+  const Eigen::Index room = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(most)),
+                     stride = std::max<Eigen::Index>(1, (count + room - 1) / room);
   TableNodes nodes;
-  const std::size_t expected = stride > 0 ? count / stride + 1 : 0;
+  const auto expected = static_cast<std::size_t>(count / stride + 1);
   for (auto* values : {&nodes.x, &nodes.y, &nodes.density})
     values->reserve(expected);
-  std::size_t seen = 0;
+  // Runs of nodes that hold none of every stride-th are passed over by their count alone.
+  constexpr Eigen::Index kRun = 16;
+  Eigen::Index to_skip = 0;
   for (Eigen::Index j = 0; j < n; ++j)
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double d = table.density(j, i);
-      if (!(d >= threshold && d > 0 && table.grid.mz2(j, i) > 0)) continue;
-      if (seen++ % stride != 0) continue;
-      nodes.x.push_back(table.grid.coordinate(i));
-      nodes.y.push_back(table.grid.coordinate(j));
-      nodes.density.push_back(d);
+    for (Eigen::Index begin = 0; begin < n; begin += kRun) {
+      const Eigen::Index length = std::min(kRun, n - begin);
+      const Eigen::Index in_run = (density.row(j).segment(begin, length) >= threshold).count();
+      if (in_run <= to_skip) {
+        to_skip -= in_run;
+        continue;
+      }
+      for (Eigen::Index i = begin; i < begin + length; ++i) {
+        if (!(density(j, i) >= threshold) || to_skip-- > 0) continue;
+        to_skip = stride - 1;
+        if (!(table.grid.mz2(j, i) > 0)) continue;
+        nodes.x.push_back(table.grid.coordinate(i));
+        nodes.y.push_back(table.grid.coordinate(j));
+        nodes.density.push_back(density(j, i));
+      }
     }
   return nodes;
 }

@@ -3,9 +3,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <sstream>
+#include <utility>
 
 #include "core/error.h"
 #include "distribution/scatter.h"
@@ -35,6 +38,18 @@ double extrapolation(const Vector5& step, const Vector5& last) {
   return along >= kParallel * step.norm() * last.norm() && rho < kMostShrinking ? 1 / (1 - rho) : 1;
 }
 
+/// What the sums are increased by on their diagonal, for the solution to exist.
+double least_damping(const NormalEquations& equations) {
+  return 1e-14 * equations.gram.diagonal().maxCoeff();
+}
+
+/// Gauss–Newton's own step. A damped one is small far from any minimum, too.
+Vector5 undamped_step(const NormalEquations& equations) {
+  Matrix5 gram = equations.gram;
+  gram.diagonal().array() += least_damping(equations);
+  return gram.ldlt().solve(equations.gradient);
+}
+
 /// Levenberg–Marquardt [Marquardt63] in the frame's own coordinates; `equations_at` gives the sums for a
 /// frame. It has converged when the next step would move nothing by more than `tolerance` widths, or lower
 /// the cost by no more than `least_gain` of it; that step is taken unseen.
@@ -43,22 +58,23 @@ Descent descend(const SlopeFrame& start, double damping, double tolerance, Equat
                 double least_gain = 1e-9) {
   constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12;
   constexpr double kExtrapolatedGain = 100;  // an extrapolated step leaves less than a hundredth of it
-  constexpr int kMost = 60;
+  constexpr double kHardlyDamped = 1e-2;
+  constexpr int kMost = 100;
   Descent descent{start, equations_at(start)};
   Vector5 last = Vector5::Zero();  // the step before, unless it was extrapolated
   while (descent.iterations < kMost) {
     const NormalEquations& now = descent.equations;
     Matrix5 damped = now.gram;
-    const double least = 1e-14 * now.gram.diagonal().maxCoeff();
-    damped.diagonal() += (damping * now.gram.diagonal()).cwiseMax(least);
+    damped.diagonal() += (damping * now.gram.diagonal()).cwiseMax(least_damping(now));
     Vector5 step = damped.ldlt().solve(now.gradient);
     if (!step.allFinite()) break;
+    const Vector5 whole = damping < kHardlyDamped ? step : undamped_step(now);
     const double length = step.cwiseAbs().maxCoeff();
     step *= kLongestStep / std::max(length, kLongestStep);
     // Half of gradient·step is what the model of the cost would still gain.
     const double factor = last.isZero() ? 1 : extrapolation(step, last);
     const double enough = (factor > 1 ? kExtrapolatedGain : 1) * least_gain * now.cost;
-    const bool done = length <= tolerance || now.gradient.dot(step) <= enough;
+    const bool done = whole.cwiseAbs().maxCoeff() <= tolerance || now.gradient.dot(whole) <= enough;
     const SlopeFrame next = moved(descent.frame, factor * step);
     last = factor > 1 ? Vector5::Zero() : step;
     ++descent.iterations;
@@ -161,6 +177,8 @@ std::string_view name_of(FitStatus status) {
       return "undetermined";
     case FitStatus::NotConverged:
       return "not converged";
+    case FitStatus::Misfit:
+      return "misfit";
     case FitStatus::Empty:
       return "empty";
   }
@@ -169,10 +187,19 @@ std::string_view name_of(FitStatus status) {
 
 namespace {
 
+/// Does any node on the disk hold something?
+bool holds_something(const DiskTable& table) {
+  const Eigen::Index n = table.grid.size;
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (table.density(j, i) > 0 && table.grid.mz2(j, i) > 0) return true;
+  return false;
+}
+
 /// What is said of a table that holds nothing, if this one does.
 std::optional<Fit> empty_fit(const DiskTable& table, FitModel model) {
   if (!table.density.isFinite().all()) throw InputError("the table holds a density that is not finite");
-  if (table.density.maxCoeff() > 0) return std::nullopt;
+  if (holds_something(table)) return std::nullopt;
   Fit result;
   result.model = model;
   result.covariance.setConstant(kNaN);
@@ -214,10 +241,26 @@ Fit conclude(const Descent& end, TableEquations& equations, const DiskGrid& grid
   result.parameters = canonical.parameters;
   result.covariance = canonical.covariance;
   result.undetermined = canonical.round ? "theta_z: the lobe is round" : "";
+  const bool off =
+      weighting == Weighting::SolidAngle ? !(result.rel_rms < 1) : !std::isfinite(result.rel_rms);
   result.status = !end.converged                    ? FitStatus::NotConverged
+                  : off                             ? FitStatus::Misfit
                   : result.nodes_across < kResolved ? FitStatus::Unresolved
                                                     : FitStatus::Converged;
   return result;
+}
+
+/// A distribution holds the energy 1 at most. A lobe between the nodes of a table may seem to hold more.
+Fit with_energy_checked(Fit found, const DiskTable& table) {
+  constexpr double kMost = 2;  // errors of estimated tables stay far below
+  const double energy = table.density.sum() * table.grid.spacing() * table.grid.spacing();
+  if (found.status == FitStatus::Unresolved || energy <= kMost) return found;
+  std::ostringstream text;
+  text << std::setprecision(3) << "the table holds " << energy
+       << " times the energy of a distribution: its densities are not per steradian";
+  found.undetermined = text.str();
+  if (found.status == FitStatus::Converged) found.status = FitStatus::Misfit;
+  return found;
 }
 
 }  // namespace
@@ -231,7 +274,7 @@ Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
   Fit result = conclude(descend(start.frame, kDamping, kTolerance, equations_at), equations, table.grid,
                         model, weighting);
   result.iterations += start.iterations;
-  return result;
+  return with_energy_checked(std::move(result), table);
 }
 
 Fit fit_from(const SlopeFrame& start, double tolerance, const DiskTable& table, FitModel model,

@@ -13,6 +13,7 @@ enum class FitStatus {
   Unresolved,    ///< converged, but the lobe is narrower than two nodes: widths are uncertain by about a node
   Undetermined,  ///< the table leaves a combination of the parameters free
   NotConverged,  ///< the steps ran out
+  Misfit,        ///< a minimum, but the table is nearer to nothing than to this lobe, or is no distribution
   Empty,         ///< the table holds nothing
 };
 std::string_view name_of(FitStatus status);
@@ -30,7 +31,7 @@ struct Fit {
   double rel_rms = 0;        ///< √(Σ(D_k − D)²dω / ΣD_k²dω)
   int iterations = 0;        ///< on the nodes of the core, on a part, and on the whole table
   double nodes_across = 0;   ///< full width at half maximum of the lobe's narrowest section, in nodes
-  std::string undetermined;  ///< what the table cannot tell, in words; empty if nothing
+  std::string undetermined;  ///< what the table cannot tell, or why it is no distribution, in words
 };
 
 /// Fits five parameters to a table by Levenberg–Marquardt, started from the quantiles of the table's core.
@@ -38,7 +39,8 @@ struct Fit {
 /// makes a lobe of n nodes look wider by a part of about 1/(6n²). Densities are taken as they are, so a table
 /// that holds a part of the energy, or ends before the lobe does, is fitted as that part. The covariance is
 /// that of independent nodes, of any variances; where the model does not fit, it says how well the best fit
-/// is determined, not how far off it is.
+/// is determined, not how far off it is. It holds to first order: the length of a lobe far longer than the
+/// table, and its centre along it, err by more.
 ///
 /// Throws InputError if a density is not finite. No memory is taken while it iterates.
 Fit fit(const DiskTable& table, FitModel model, Weighting weighting = Weighting::SolidAngle);

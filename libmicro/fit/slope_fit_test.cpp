@@ -9,9 +9,12 @@
 #include "distribution/beckmann.h"
 #include "distribution/ellipsoid.h"
 #include "distribution/tabulate.h"
+#include "testing/step_between.h"
 
 namespace micro {
 namespace {
+
+using testing::step_between;
 
 struct Slopes {
   Grid<double> x, y;
@@ -34,14 +37,6 @@ const EllipsoidParameters kLobes[] = {{0.2, 0.2, 0, 0, 0},        // round
                                       {0.3, 0.003, 0, 0, 0.4},    // a needle that no table of the disk holds
                                       {0.02, 0.01, 0.5, 0.3, 1},  // narrow and tilted
                                       {0.2, 0.1, 0.6, 0.3, 0.5}};
-
-/// The step that leads from one frame to another, in widths.
-Vector5 step_between(const SlopeFrame& from, const SlopeFrame& to) {
-  const Vec2 t = from.whiten(to.centre);
-  return (Vector5() << t.x(), t.y(), std::log(to.l11 / from.l11),
-          (to.l21 - from.l21 * to.l11 / from.l11) / from.l22, std::log(to.l22 / from.l22))
-      .finished();
-}
 
 TEST(SlopeFit, FindsTheLobeThatSlopesWereDrawnFrom) {
   // 160,000 independent normals leave about 1/√n·2 in each number; the bins widen the lobe by 1/(6·8.3²).
