@@ -133,7 +133,8 @@ std::vector<NdfTable> read_ndf(const std::filesystem::path& path, const std::str
     std::string names;
     for (const std::string& known : methods)
       names += (names.empty() ? "" : ", ") + known;
-    throw FileError(path, "holds no distribution '" + method + "'; there are " + names);
+    throw FileError(path, "holds no distribution '" + method + "'; there " +
+                              (names.empty() ? "is none" : "are " + names));
   }
   try {
     return read_method(file, method);

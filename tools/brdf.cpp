@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -26,10 +27,13 @@ struct Options {
 
 BrdfRequest request_of(const Options& options) {
   BrdfRequest request = options.request;
+  if (!std::isfinite(options.tolerance)) throw CLI::ValidationError("--tol is no finite number");
   if (!options.lambda.empty()) {
     request.lambda_um.clear();
     for (const std::string& text : options.lambda)
       request.lambda_um.push_back(parse_length(text));
+    if (!(request.lambda_um.front() > 0) || !std::ranges::is_sorted(request.lambda_um, std::less_equal{}))
+      throw CLI::ValidationError("--lambda: wavelengths must be positive and ascend");
   }
   for (const std::string& text : options.wi) {
     const double theta = parse_angle(text);
@@ -65,6 +69,7 @@ nlohmann::json to_json(const BrdfReport& report, const std::string& output,
                         {"lambda_um", report.request.lambda_um[c]},
                         {"value", report.albedo[k][c].value},
                         {"error", report.albedo[k][c].error},
+                        {"reached", report.albedo[k][c].error <= *report.request.albedo},
                         {"draws", report.albedo[k][c].cost.evaluations}});
   for (const auto& file : files)
     names.push_back(file.string());
@@ -91,9 +96,10 @@ void print(const BrdfReport& report, const std::string& output,
   std::printf("%s; %s\n", report.description.c_str(), report.material.c_str());
   for (std::size_t k = 0; k < report.albedo.size(); ++k)
     for (std::size_t c = 0; c < report.albedo[k].size(); ++c)
-      std::printf("albedo at %.4g deg, %.4g um: %.5f +- %.1e\n",
+      std::printf("albedo at %.6g deg, %.4g um: %.5f +- %.1e%s\n",
                   std::acos(report.request.wi[k].z()) * 57.29577951308232, report.request.lambda_um[c],
-                  report.albedo[k][c].value, report.albedo[k][c].error);
+                  report.albedo[k][c].value, report.albedo[k][c].error,
+                  report.albedo[k][c].error <= *report.request.albedo ? "" : ", not the tolerance");
   if (report.spectrum)
     std::printf("linear sRGB (D65) %.4f %.4f %.4f\n", report.spectrum->linear_rgb.x(),
                 report.spectrum->linear_rgb.y(), report.spectrum->linear_rgb.z());

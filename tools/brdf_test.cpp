@@ -153,7 +153,8 @@ TEST_F(BrdfCommand, RefusesWhatMakesNoSense) {
        {"--model sun", "--smoothness 5", "--model sun --smoothness 0",
         "--model sun --smoothness 5 --alpha 0.2", "--model kirchhoff", "--alpha 0.2 --coat 0.9",
         "--alpha 0.2 --coat-smoothness 5", "--alpha 0.2 --form printed", "--alpha 0.2 --plane x",
-        "--alpha 0.2 --masking none", "--alpha 0.2 --fit-of filtered",
+        "--alpha 0.2 --masking none", "--alpha 0.2 --fit-of filtered", "--alpha 0.2 --lambda=-1",
+        "--alpha 0.2 --lambda 650nm --lambda 450nm", "--alpha 0.2 --tol nan --albedo",
         "--model sun --smoothness 5 --masking smith", "--alpha 0.2 --phi-h 10deg"})
     EXPECT_EQ(run(arguments + (" --wi 30deg" + out)).code, 2) << arguments;
   EXPECT_EQ(run("--alpha 0.2 --plane 10deg --furnace" + out).code, 2);  // of which light?
