@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include "core/error.h"
+#include "io/scan.h"
 #include "pipelines/name_pattern.h"
 
 namespace micro {
@@ -22,18 +25,20 @@ std::optional<Eigen::Index> number(const std::string& text) {
   return value;
 }
 
-std::vector<Place> places_by_name(const ScanListing& listing, const std::string& pattern) {
+using Places = std::vector<std::optional<Place>>;
+
+Places places_by_name(const ScanListing& listing, const std::string& pattern) {
   const NamePattern names(pattern);
-  std::vector<Place> places;
+  Places places;
   for (const ListedScan& scan : listing.scans) {
     const auto place = names.find(scan.source);
     if (!place) throw InputError(scan.source + ": its name does not follow the layout '" + pattern + "'");
-    places.push_back({place->row, place->col});
+    places.push_back(Place{place->row, place->col});
   }
   return places;
 }
 
-std::vector<Place> places_by_manifest(const ScanListing& listing, const std::filesystem::path& path) {
+Places places_by_manifest(const ScanListing& listing, const std::filesystem::path& path) {
   std::ifstream file(path);
   if (!file) throw FileError(path, "cannot be read");
   std::map<std::string, Place> known;
@@ -52,12 +57,64 @@ std::vector<Place> places_by_manifest(const ScanListing& listing, const std::fil
                       "line " + std::to_string(line_number) + " has no whole numbers for row and column");
     known[line.substr(0, first)] = {*row, *col};
   }
-  std::vector<Place> places;
+  Places places;
   for (const ListedScan& scan : listing.scans) {
     const auto found = known.find(scan.source);
     if (found == known.end()) throw FileError(path, "has no line for " + scan.source);
     places.push_back(found->second);
   }
+  return places;
+}
+
+/// The numbers of columns (or rows) that positions along an axis, µm, lie in. Those within half a scan are
+/// one column; columns are whole steps of the smallest one apart, to an eighth of it.
+std::vector<Eigen::Index> columns_of(const std::vector<double>& positions, double scan, const char* axis) {
+  std::vector<double> sorted = positions;
+  std::sort(sorted.begin(), sorted.end());
+  double step = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 1; k < sorted.size(); ++k)
+    if (const double gap = sorted[k] - sorted[k - 1]; gap > scan / 2) step = std::min(step, gap);
+  std::map<double, Eigen::Index> columns;
+  Eigen::Index column = 0;
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    const double gap = k == 0 ? 0 : sorted[k] - sorted[k - 1];
+    if (gap > scan / 2) {
+      const double steps = gap / step;
+      if (std::abs(steps - std::round(steps)) > 0.125 || steps > 1e8)
+        throw InputError("stage positions along " + std::string(axis) + " form no grid: steps of " +
+                         std::to_string(step) + " and " + std::to_string(gap) + " µm");
+      column += std::lround(steps);
+    }
+    columns[sorted[k]] = column;
+  }
+  std::vector<Eigen::Index> numbers;
+  for (const double position : positions)
+    numbers.push_back(columns[position]);
+  return numbers;
+}
+
+Places places_by_stage(const ScanListing& listing) {
+  Places places(listing.scans.size());
+  std::vector<std::size_t> placed;
+  std::vector<double> x, y;
+  double width = std::numeric_limits<double>::infinity(), height = width;
+  std::optional<FileError> broken;
+  for (std::size_t k = 0; k < listing.scans.size(); ++k) {
+    try {
+      const StageWindow window = stage_window(listing.scans[k].path);
+      placed.push_back(k);
+      x.push_back(window.x);
+      y.push_back(window.y);
+      width = std::min(width, window.width);
+      height = std::min(height, window.height);
+    } catch (const FileError& error) {
+      broken = error;
+    }
+  }
+  if (placed.empty() && broken) throw *broken;
+  const auto cols = columns_of(x, width, "x"), rows = columns_of(y, height, "y");
+  for (std::size_t n = 0; n < placed.size(); ++n)
+    places[placed[n]] = Place{rows[n], cols[n]};
   return places;
 }
 
@@ -72,20 +129,26 @@ TexelLayout lay_out(const ScanListing& listing, const LayoutRule& rule) {
   } else if (const auto* manifest = std::get_if<Manifest>(&rule)) {
     layout.places = places_by_manifest(listing, manifest->path);
     layout.how = "by the manifest";
+  } else if (std::holds_alternative<ByStage>(rule)) {
+    layout.places = places_by_stage(listing);
+    layout.how = "by stage coordinates";
   } else {
     for (std::size_t k = 0; k < listing.scans.size(); ++k)
-      layout.places.push_back({0, static_cast<Eigen::Index>(k)});
+      layout.places.push_back(Place{0, static_cast<Eigen::Index>(k)});
     layout.how = "one strip along x, in the listing's order";
   }
   if (layout.places.empty()) return layout;
-  Place least = layout.places.front(), most = least;
-  for (const Place& place : layout.places) {
-    least = {std::min(least.row, place.row), std::min(least.col, place.col)};
-    most = {std::max(most.row, place.row), std::max(most.col, place.col)};
+  constexpr Eigen::Index kEnd = std::numeric_limits<Eigen::Index>::max();
+  Place least = {kEnd, kEnd}, most = {0, 0};
+  for (const auto& place : layout.places) {
+    if (!place) continue;
+    least = {std::min(least.row, place->row), std::min(least.col, place->col)};
+    most = {std::max(most.row, place->row), std::max(most.col, place->col)};
   }
   std::map<std::pair<Eigen::Index, Eigen::Index>, std::string> taken;
   for (std::size_t k = 0; k < layout.places.size(); ++k) {
-    Place& place = layout.places[k];
+    if (!layout.places[k]) continue;
+    Place& place = *layout.places[k];
     place = {place.row - least.row, place.col - least.col};
     const std::string& source = listing.scans[k].source;
     const auto [other, fresh] = taken.try_emplace({place.row, place.col}, source);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -11,8 +12,9 @@
 namespace micro {
 
 /// How the places of scans are known: they lie side by side along x in the listing's order; their names say
-/// it, by a pattern like "r{row}_c{col}" (one of the two may be left out: it is 0); or a manifest, a text
-/// file of lines `source,row,col` (blank lines and those that begin with # count for nothing).
+/// it, by a pattern like "r{row}_c{col}" (one of the two may be left out: it is 0); a manifest, a text
+/// file of lines `source,row,col` (blank lines and those that begin with # count for nothing); or the stage
+/// coordinates in their headers, as rows and columns of a grid of even steps.
 struct InOrder {};
 struct ByName {
   std::string pattern;
@@ -20,7 +22,8 @@ struct ByName {
 struct Manifest {
   std::filesystem::path path;
 };
-using LayoutRule = std::variant<InOrder, ByName, Manifest>;
+struct ByStage {};
+using LayoutRule = std::variant<InOrder, ByName, Manifest, ByStage>;
 
 /// Where each scan of a listing lies: rows run along y, columns along x; gaps are allowed.
 struct TexelLayout {
@@ -28,12 +31,15 @@ struct TexelLayout {
     Eigen::Index row, col;
   };
   Eigen::Index rows = 0, cols = 0;
-  std::vector<Place> places;  ///< of the scans, the smallest row and column being 0
-  std::string how;            ///< for the plan
+  /// Of the scans, the smallest row and column being 0; none for those whose stage coordinates cannot be
+  /// read.
+  std::vector<std::optional<Place>> places;
+  std::string how;  ///< for the plan
 };
 
-/// Throws InputError (FileError for the manifest's own faults) if a scan has no place, two have the same, or
-/// the grid would have more than 10⁸ places.
+/// Throws InputError (FileError for the manifest's own faults) if a scan has no place, two have the same, the
+/// grid would have more than 10⁸ places, or stage coordinates form none. By stage, a scan whose header is
+/// broken has no place; it throws if that is so for all.
 TexelLayout lay_out(const ScanListing& listing, const LayoutRule& rule);
 
 }  // namespace micro

@@ -49,7 +49,7 @@ std::vector<Eigen::Index> begins_of(const std::vector<ScanTexels>& cuts, Eigen::
                                     Eigen::Index usual, PlaceOf&& place_of, CountOf&& count_of) {
   std::vector<Eigen::Index> counts(static_cast<std::size_t>(places), 0);
   for (std::size_t k = 0; k < cuts.size(); ++k) {
-    if (cuts[k].record.failure) continue;
+    if (cuts[k].record.failure) continue;  // and with it perhaps the place
     Eigen::Index& count = counts[static_cast<std::size_t>(place_of(k))];
     count = std::max(count, count_of(cuts[k].cut));
   }
@@ -73,10 +73,10 @@ void assemble(Texels& texels, std::vector<ScanTexels>& cuts, const TexelLayout& 
   texels.height =
       like.dy * static_cast<double>(request.block ? points_of(request.block->y(), like.dy) : like.rows);
   const auto row_begins = begins_of(
-      cuts, layout.rows, first->cut.rows, [&](std::size_t k) { return layout.places[k].row; },
+      cuts, layout.rows, first->cut.rows, [&](std::size_t k) { return layout.places[k]->row; },
       [](const SurfaceTexels& cut) { return cut.rows; });
   const auto col_begins = begins_of(
-      cuts, layout.cols, first->cut.cols, [&](std::size_t k) { return layout.places[k].col; },
+      cuts, layout.cols, first->cut.cols, [&](std::size_t k) { return layout.places[k]->col; },
       [](const SurfaceTexels& cut) { return cut.cols; });
   texels.rows = row_begins.back();
   texels.cols = col_begins.back();
@@ -88,8 +88,8 @@ void assemble(Texels& texels, std::vector<ScanTexels>& cuts, const TexelLayout& 
   for (std::size_t k = 0; k < cuts.size(); ++k) {
     SurfaceTexels& cut = cuts[k].cut;
     if (cuts[k].record.failure) continue;
-    const Eigen::Index top = row_begins[static_cast<std::size_t>(layout.places[k].row)],
-                       left = col_begins[static_cast<std::size_t>(layout.places[k].col)];
+    const Eigen::Index top = row_begins[static_cast<std::size_t>(layout.places[k]->row)],
+                       left = col_begins[static_cast<std::size_t>(layout.places[k]->col)];
     for (Eigen::Index j = 0; j < cut.rows; ++j)
       for (Eigen::Index i = 0; i < cut.cols; ++i) {
         const auto place = static_cast<std::size_t>((top + j) * texels.cols + left + i);
@@ -161,6 +161,8 @@ Texels texels_of_scans(const ScanListing& listing, const TexelRequest& request,
   parallel_in_order(
       total, [&](std::int64_t k) { return cut_scan(listing.scans[static_cast<std::size_t>(k)], request); },
       [&](std::int64_t k, ScanTexels outcome) {
+        if (!outcome.record.failure && !layout.places[static_cast<std::size_t>(k)])
+          outcome.record.failure = "its header does not say where the stage stood";
         if (!outcome.record.failure) pitches.add(outcome.record.dx, outcome.record.dy, outcome.record.source);
         cuts.push_back(std::move(outcome));
         report({k + 1, total, cuts.back().record.source});

@@ -35,10 +35,10 @@ TEST(TexelLayout, ReadsNamesAndManifests) {
   const TexelLayout named = lay_out(listing_of({"a/r02_c10.dat", "a/r03_c09.dat"}), ByName{"r{row}_c{col}"});
   EXPECT_EQ(named.rows, 2);
   EXPECT_EQ(named.cols, 2);
-  EXPECT_EQ(named.places[0].row, 0);
-  EXPECT_EQ(named.places[0].col, 1);
-  EXPECT_EQ(named.places[1].row, 1);
-  EXPECT_EQ(named.places[1].col, 0);
+  EXPECT_EQ(named.places[0]->row, 0);
+  EXPECT_EQ(named.places[0]->col, 1);
+  EXPECT_EQ(named.places[1]->row, 1);
+  EXPECT_EQ(named.places[1]->col, 0);
   const TexelLayout strip = lay_out(listing_of({"x 7.dat", "x 5.dat"}), ByName{"x {col}."});
   EXPECT_EQ(strip.cols, 3);
   EXPECT_EQ(strip.rows, 1);
@@ -47,8 +47,49 @@ TEST(TexelLayout, ReadsNamesAndManifests) {
   std::ofstream(path) << "# source,row,col\n\na,b.dat,4,1\r\nc.dat,4,3\nunused.dat,0,0\n";
   const TexelLayout listed = lay_out(listing_of({"c.dat", "a,b.dat"}), Manifest{path});
   EXPECT_EQ(listed.cols, 3);
-  EXPECT_EQ(listed.places[0].col, 2);
+  EXPECT_EQ(listed.places[0]->col, 2);
   EXPECT_THROW(lay_out(listing_of({"z.dat"}), Manifest{path}), FileError);
+}
+
+/// A scan with stage coordinates, µm; nothing is said of it if `x` is NaN.
+void write_at(const std::filesystem::path& path, double x, double y) {
+  std::string header =
+      "Gwyddion Simple Field 1.0\nXRes = 2\nYRes = 1\nXReal = 2e-5\nYReal = 1e-5\nXYUnits = m\nZUnits = m\n";
+  if (!std::isnan(x))
+    header += "XOffset = " + std::to_string(x) + "e-6\nYOffset = " + std::to_string(y) + "e-6\n";
+  header.resize(header.size() / 4 * 4 + 4);
+  std::ofstream(path, std::ios::binary) << header << std::string(8, '\0');
+}
+
+TEST(TexelLayout, ReadsStageCoordinates) {
+  const TemporaryFolder folder;
+  ScanListing listing;
+  const auto add = [&](const char* name, double x, double y) {
+    const auto path = folder.path() / name;
+    write_at(path, x, y);
+    listing.scans.push_back({path, name});
+  };
+  // Steps of 18 and 12 µm, a gap of two columns, the stage's own errors, coordinates below 0.
+  add("a", 54.9, -12.1);
+  add("b", 0, 0.2);
+  add("c", 18.4, 0);
+  add("d", 0.5, -12);
+  TexelLayout layout = lay_out(listing, ByStage{});
+  EXPECT_EQ(layout.rows, 2);
+  EXPECT_EQ(layout.cols, 4);
+  const auto place = [&](std::size_t k) { return std::pair{layout.places[k]->row, layout.places[k]->col}; };
+  EXPECT_EQ(place(0), std::pair(Eigen::Index{0}, Eigen::Index{3}));
+  EXPECT_EQ(place(1), std::pair(Eigen::Index{1}, Eigen::Index{0}));
+  EXPECT_EQ(place(2), std::pair(Eigen::Index{1}, Eigen::Index{1}));
+  EXPECT_EQ(place(3), std::pair(Eigen::Index{0}, Eigen::Index{0}));
+  add("silent", std::nan(""), 0);
+  layout = lay_out(listing, ByStage{});
+  EXPECT_FALSE(layout.places[4]);
+  EXPECT_TRUE(layout.places[3]);
+  add("off the grid", 28, 0);
+  EXPECT_THROW(lay_out(listing, ByStage{}), InputError);
+  listing.scans = {listing.scans[4]};
+  EXPECT_THROW(lay_out(listing, ByStage{}), FileError);
 }
 
 TEST(TexelLayout, RefusesWhatMakesNoSense) {

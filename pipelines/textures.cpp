@@ -241,16 +241,26 @@ void write_attributes(Hdf5Writer& file, const TextureSummary& summary, const Req
   set("seconds", summary.seconds);
 }
 
+/// What a model's spectra were measured on.
+std::string basis_of(const TextureModel& model) {
+  const auto* axes = std::get_if<TextureModel::Axes>(&model.spectrum);
+  if (!axes) return " from a block";
+  const auto along = [](const AxisSpectrum& axis, const char* name) {
+    const std::size_t n = axis.strips[0].size();
+    return (n > 0 ? counted(static_cast<std::int64_t>(n), "strip") : std::string("no strip")) + " along " +
+           name;
+  };
+  return " from " + along(axes->x, "x") + " and " + along(axes->y, "y");
+}
+
 Plan plan_of(const TextureSummary& summary, const RequestNames& names, const TextureModel& model,
              int levels) {
   const TextureSize& size = summary.request.size;
-  const bool block = std::holds_alternative<TextureModel::Blocks>(model.spectrum);
-  return {
-      ran("texture", std::to_string(size.rows) + " x " + std::to_string(size.cols) + " texels, " +
-                         names.recipe + (block ? " from a block" : " from strips") + ", marginals " +
-                         names.marginals + ", taper " + names.taper + (summary.in_parts ? ", by parts" : "")),
-      stage_if(levels > 1, "minification",
-               levels > 1 ? std::to_string(levels) + " levels, each texel refitted" : "not asked for")};
+  return {ran("texture", std::to_string(size.rows) + " x " + std::to_string(size.cols) + " texels, " +
+                             names.recipe + basis_of(model) + ", marginals " + names.marginals + ", taper " +
+                             names.taper + (summary.in_parts ? ", by parts" : "")),
+          stage_if(levels > 1, "minification",
+                   levels > 1 ? std::to_string(levels) + " levels, each texel refitted" : "not asked for")};
 }
 
 }  // namespace

@@ -44,7 +44,10 @@ TexelRequest request_of(const Options& options) {
     request.prepare.level = *level_from_name(options.level);
     request.tilt = TexelRequest::Tilt::Keep;
   }
-  if (!options.layout.empty()) request.layout = ByName{options.layout};
+  if (options.layout == "stage")
+    request.layout = ByStage{};
+  else if (!options.layout.empty())
+    request.layout = ByName{options.layout};
   if (!options.manifest.empty()) request.layout = Manifest{options.manifest};
   return request;
 }
@@ -189,9 +192,10 @@ Run add_texture(CLI::App& app) {
   app.add_option("--texel", options->block,
                  "Size of a texel, L or X,Y: scans are cut into blocks (default: each scan is a texel)")
       ->type_name("LENGTH");
-  CLI::Option* layout =
-      app.add_option("--layout", options->layout,
-                     "Where scans lie, by their names, e.g. \"r{row}_c{col}\" (default: one strip along x)");
+  CLI::Option* layout = app.add_option(
+      "--layout", options->layout,
+      "Where scans lie: by their names, e.g. \"r{row}_c{col}\", or `stage`: by the stage coordinates in "
+      "their headers (.sur, .x3p, .gsf) (default: one strip along x)");
   app.add_option("--manifest", options->manifest, "Where scans lie: a file of lines `source,row,col`")
       ->excludes(layout);
   add_length(app, "--sigma", options->texels.sigma,

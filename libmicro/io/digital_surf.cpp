@@ -40,6 +40,8 @@ enum Offset : std::size_t {
   kDzUnit = 212,        // char[16]
   kCommentSize = 334,   // u16
   kPrivateSize = 336,   // u16
+  kXOffset = 466,       // f32, in the unit of x
+  kYOffset = 470,       // f32, in the unit of y
   kZOffset = 474,       // f32, in the unit of z
 };
 
@@ -60,6 +62,26 @@ double micrometres(const FileBytes& file, Offset offset, const char* axis) {
     if (candidate.name == unit) return candidate.micrometres;
   throw FileError(file.path(), "its unit along " + std::string(axis) + ", " + quoted(unit) + ", is unknown");
 }
+
+/// What the header says, in the file's byte order. Throws FileError if it is no header of one.
+class Header {
+ public:
+  explicit Header(const FileBytes& file) : data_(file.data()) {
+    file.require(file.size() >= kHeaderBytes, "is shorter than a Digital Surf header");
+    const auto byte_order = load<std::int16_t>(data_ + kByteOrder, std::endian::little);
+    file.require(byte_order == 0 || byte_order == 257, "its byte order is unknown");
+    order = byte_order == 0 ? std::endian::little : std::endian::big;
+  }
+
+  std::int32_t integer(Offset offset) const { return load<std::int32_t>(data_ + offset, order); }
+  std::int16_t small(Offset offset) const { return load<std::int16_t>(data_ + offset, order); }
+  double real(Offset offset) const { return load<float>(data_ + offset, order); }
+
+  std::endian order;
+
+ private:
+  const std::byte* data_;
+};
 
 /// The points of a compressed file: from `at` on stand the number of streams, the bytes of each unpacked and
 /// packed, and the streams themselves.
@@ -108,21 +130,15 @@ bool is_digital_surf(const FileHead& head) {
 
 HeightField read_digital_surf(const std::filesystem::path& path, const ReadOptions& options) {
   const FileBytes file(path);
-  file.require(file.size() >= kHeaderBytes, "is shorter than a Digital Surf header");
-  const auto byte_order = load<std::int16_t>(file.data() + kByteOrder, std::endian::little);
-  file.require(byte_order == 0 || byte_order == 257, "its byte order is unknown");
-  const std::endian order = byte_order == 0 ? std::endian::little : std::endian::big;
-  const auto integer = [&](Offset offset) { return load<std::int32_t>(file.data() + offset, order); };
-  const auto small = [&](Offset offset) { return load<std::int16_t>(file.data() + offset, order); };
-  const auto real = [&](Offset offset) -> double { return load<float>(file.data() + offset, order); };
-
-  file.require(small(kType) == 2, "is a Digital Surf file, but its object is no surface");
-  file.require(small(kObjects) <= 1, "holds several objects; files with one surface are read");
-  const int bits = small(kBits);
+  const Header header(file);
+  const std::endian order = header.order;
+  file.require(header.small(kType) == 2, "is a Digital Surf file, but its object is no surface");
+  file.require(header.small(kObjects) <= 1, "holds several objects; files with one surface are read");
+  const int bits = header.small(kBits);
   file.require(bits == 16 || bits == 32, "its points have neither 16 nor 32 bits");
-  file.require(integer(kCols) > 0 && integer(kRows) > 0, "holds no heights");
-  const auto cols = static_cast<std::uint64_t>(integer(kCols));
-  const auto rows = static_cast<std::uint64_t>(integer(kRows));
+  file.require(header.integer(kCols) > 0 && header.integer(kRows) > 0, "holds no heights");
+  const auto cols = static_cast<std::uint64_t>(header.integer(kCols));
+  const auto rows = static_cast<std::uint64_t>(header.integer(kRows));
   const std::uint64_t begin = kHeaderBytes + load<std::uint16_t>(file.data() + kCommentSize, order) +
                               load<std::uint16_t>(file.data() + kPrivateSize, order);
   file.require(begin <= file.size(), "is cut in its header");
@@ -133,17 +149,28 @@ HeightField read_digital_surf(const std::filesystem::path& path, const ReadOptio
   file.require(rows <= data.size() / bytes_each / cols,
                "is cut: its header promises more points than it has");
 
-  const Pitch pitch = file_pitch(
-      path, {real(kDx) * micrometres(file, kDxUnit, "x"), real(kDy) * micrometres(file, kDyUnit, "y")},
-      options);
+  const Pitch pitch = file_pitch(path,
+                                 {header.real(kDx) * micrometres(file, kDxUnit, "x"),
+                                  header.real(kDy) * micrometres(file, kDyUnit, "y")},
+                                 options);
   const double unit = micrometres(file, kDzUnit, "z");
-  const double step = real(kDz) * unit, offset = real(kZOffset) * unit;
+  const double step = header.real(kDz) * unit, offset = header.real(kZOffset) * unit;
   file.require(std::isfinite(step) && step != 0 && std::isfinite(offset), "its height scale makes no sense");
-  const auto missing = small(kSpecialPoints) == 1
-                           ? std::optional<std::int64_t>(std::int64_t{integer(kZMin)} - 2)
+  const auto missing = header.small(kSpecialPoints) == 1
+                           ? std::optional<std::int64_t>(std::int64_t{header.integer(kZMin)} - 2)
                            : std::nullopt;
   const auto read = bits == 16 ? read_points<std::int16_t> : read_points<std::int32_t>;
   return read(file, data.data(), order, rows, cols, pitch, step, offset, missing);
+}
+
+std::optional<StageWindow> stage_of_digital_surf(const std::filesystem::path& path) {
+  const FileBytes file(path, kHeaderBytes);
+  const Header header(file);
+  const double x_unit = micrometres(file, kDxUnit, "x"), y_unit = micrometres(file, kDyUnit, "y");
+  return StageWindow{.x = header.real(kXOffset) * x_unit,
+                     .y = header.real(kYOffset) * y_unit,
+                     .width = header.integer(kCols) * header.real(kDx) * x_unit,
+                     .height = header.integer(kRows) * header.real(kDy) * y_unit};
 }
 
 }  // namespace micro

@@ -125,6 +125,18 @@ Scan read_in_child(const FileBytes& head, const ReadOptions& options) {
   }
 }
 
+StageWindow stage_here(const FileBytes& head) {
+  const ScanFormat* format = recognise(head);
+  if (!format) throw FileError(head.path(), "is no scan in a known format");
+  const auto window = format->stage ? format->stage(head.path()) : std::nullopt;
+  if (!window) throw FileError(head.path(), "does not say where the stage stood");
+  for (const double value : {window->x, window->y, window->width, window->height})
+    head.require(std::isfinite(value), "its stage position makes no sense");
+  head.require(window->width > 0 && window->height > 0,
+               "has no lateral scale to compare stage positions with");
+  return *window;
+}
+
 }  // namespace
 
 std::span<const ScanFormat> scan_formats() {
@@ -144,6 +156,14 @@ Scan read_scan(const std::filesystem::path& path, const ReadOptions& options) {
   Scan scan = needs_child(head.bytes()) ? read_in_child(head, options) : read_here(head, options);
   check_pitch_agrees(path, scan.surface, options);
   return scan;
+}
+
+StageWindow stage_window(const std::filesystem::path& path) {
+  const FileBytes head(path, kHeadBytes);
+  if (!needs_child(head.bytes())) return stage_here(head);
+  return run_in_child(path, {.processor_seconds = 3, .seconds = 5},
+                      [&](ChildOutput& out) { out.write_value(stage_here(head)); })
+      .read_value<StageWindow>();
 }
 
 }  // namespace micro

@@ -26,6 +26,13 @@ struct ReadOptions {
   std::optional<double> pitch_y;  ///< µm; like pitch_x when absent
 };
 
+/// What part of a specimen a scan shows, by its header: µm in the stage's coordinates, from its first point
+/// on.
+struct StageWindow {
+  double x, y;           ///< of the first point
+  double width, height;  ///< along columns and rows
+};
+
 /// One readable format. `recognise` looks at content alone; `read` throws FileError, naming the file and the
 /// fact.
 struct ScanFormat {
@@ -39,6 +46,9 @@ struct ScanFormat {
   /// read in a child process, so that one that crashes its library is a FileError. Empty: our own parser
   /// reads it.
   std::string_view container = {};
+  /// Where the stage stood, from the header alone; no value if the file does not say. Empty: this format
+  /// cannot say it.
+  std::optional<StageWindow> (*stage)(const std::filesystem::path& path) = nullptr;
 };
 
 /// The one visible table of formats, in order of recognition.
@@ -57,5 +67,9 @@ struct Scan {
 
 /// Recognises and reads one file. Throws FileError if it is no known scan or is broken.
 Scan read_scan(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// Where the stage stood for a scan, by its header. Throws FileError if it is no known scan, its header is
+/// broken, or it does not say.
+StageWindow stage_window(const std::filesystem::path& path);
 
 }  // namespace micro

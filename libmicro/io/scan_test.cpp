@@ -108,6 +108,25 @@ TEST(Scan, EveryRealFileIsTried) {
         << e.file;
 }
 
+TEST(Scan, StageCoordinatesAreThoseOfTheHeaders) {
+  const fs::path folder = MICRO_SCANS_DIR;
+  if (!fs::exists(folder / "expected.tsv")) GTEST_SKIP() << "NOT CHECKED: " << folder << " is missing";
+  // As a hexadecimal dump and the XML show them.
+  const StageWindow sur = stage_window(folder / "scratches.sur");
+  EXPECT_NEAR(sur.x, 3.457248265448243e-06, 1e-15);
+  EXPECT_NEAR(sur.y, -1.4278494830932686e-05, 1e-15);
+  const StageWindow x3p = stage_window(folder / "grooves_mountainsmap.x3p");
+  EXPECT_NEAR(x3p.x, 76.5614218798151, 1e-10);
+  EXPECT_NEAR(x3p.y, 12.9451679506934, 1e-10);
+  for (const char* file : {"scratches.sur", "grooves_mountainsmap.x3p"}) {
+    const HeightField surface = read_scan(folder / file).surface;
+    const StageWindow window = stage_window(folder / file);
+    EXPECT_NEAR(window.width, surface.dx * static_cast<double>(surface.cols()), 1e-9 * window.width);
+    EXPECT_NEAR(window.height, surface.dy * static_cast<double>(surface.rows()), 1e-9 * window.height);
+  }
+  EXPECT_THROW(stage_window(folder / "newview_smooth.dat"), FileError);
+}
+
 TEST(Scan, OtherFilesAreNoScans) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "scan.dat";  // the name says nothing

@@ -78,6 +78,11 @@ class X3p {
   void require(bool condition, const char* fact) const {
     if (!condition) throw FileError(path_, fact);
   }
+  void require_main() const {
+    require(has_main(), "holds no main.xml");
+    require(parsed_, "its main.xml is no XML");
+    require(!root_.empty(), "its main.xml is not of ISO 5436-2");
+  }
   /// The number in a node; `otherwise` if the node is absent or empty.
   double number(const pugi::xml_node& node, double otherwise) const {
     double value = otherwise;
@@ -249,9 +254,7 @@ bool is_x3p(const FileHead& head) {
 
 HeightField read_x3p(const std::filesystem::path& path, const ReadOptions& options) {
   const X3p file(path);
-  file.require(file.has_main(), "holds no main.xml");
-  file.require(file.is_parsed(), "its main.xml is no XML");
-  file.require(!file.root().empty(), "its main.xml is not of ISO 5436-2");
+  file.require_main();
   file.check_main();
 
   const std::uint64_t rows = file.extent("SizeY"), cols = file.extent("SizeX");
@@ -284,6 +287,21 @@ HeightField read_x3p(const std::filesystem::path& path, const ReadOptions& optio
     file.check_md5("valid points", points.valid, text_of(child(link, "MD5ChecksumValidPoints")));
   }
   return type.read(path, points, rows, cols, pitch);
+}
+
+std::optional<StageWindow> stage_of_x3p(const std::filesystem::path& path) {
+  const X3p file(path);
+  file.require_main();
+  const auto axes = child(child(file.root(), "Record1"), "Axes");
+  const auto x = child(axes, "CX"), y = child(axes, "CY");
+  if (text_of(child(x, "Offset")).empty() && text_of(child(y, "Offset")).empty()) return std::nullopt;
+  const auto offset = [&](const pugi::xml_node& axis) {
+    return file.number(child(axis, "Offset"), 0) * kMicrometres;
+  };
+  return StageWindow{.x = offset(x),
+                     .y = offset(y),
+                     .width = axis_pitch(file, x) * static_cast<double>(file.extent("SizeX")),
+                     .height = axis_pitch(file, y) * static_cast<double>(file.extent("SizeY"))};
 }
 
 void write_x3p(const std::filesystem::path& path, const HeightField& surface) {

@@ -3,6 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 #include "core/error.h"
 
@@ -60,11 +62,57 @@ Grid<double> block_deviations(const Grid<double>& values, Taper taper) {
   return values.isNaN().select(0., weights * (values - mean));
 }
 
+/// Scales amplitudes along both axes so that their squares but `left_out` sum to the variance; of those along
+/// x the half spectrum is kept.
+AxisAmplitudes scaled(AxisAmplitudes amplitudes, double variance, double left_out) {
+  const auto power = [](const std::vector<float>& a) {
+    double sum = 0;
+    for (const float value : a)
+      sum += static_cast<double>(value) * value;
+    return sum;
+  };
+  const double whole = power(amplitudes.x) * power(amplitudes.y) - left_out;
+  // A direction along which nothing varies has no amplitudes; then there is no variance to share out either.
+  const double scale = whole > 0 ? std::sqrt(variance / whole) : 0;
+  for (float& value : amplitudes.y)
+    value = static_cast<float>(value * scale);
+  amplitudes.x.resize(amplitudes.x.size() / 2 + 1);
+  return amplitudes;
+}
+
+/// Spectrum over n texels of the kernel that an axis has on 2·reach texels, drawn to zero over its outer
+/// half.
+std::vector<float> kernel_spectrum(const AxisSpectrum& axis, std::size_t channel, Eigen::Index n,
+                                   Eigen::Index reach) {
+  if (axis.constant(channel)) return std::vector<float>(static_cast<std::size_t>(n), 1);
+  const std::vector<float> own = axis.amplitudes(channel, 2 * reach);
+  FftVector<std::complex<double>> kernel(own.begin(), own.end());
+  ComplexFft<double>({1, 2 * reach, 1}, FftDirection::Backward)(kernel.data());
+  FftVector<std::complex<double>> padded(static_cast<std::size_t>(n), 0);
+  for (Eigen::Index lag = -reach + 1; lag < reach; ++lag) {
+    const double outer =
+        std::max(0., 2. * static_cast<double>(std::abs(lag)) / static_cast<double>(reach) - 1);
+    const double fade = std::pow(std::cos(std::numbers::pi / 2 * outer), 2);
+    padded[static_cast<std::size_t>((lag + n) % n)] =
+        fade * kernel[static_cast<std::size_t>((lag + 2 * reach) % (2 * reach))].real();
+  }
+  ComplexFft<double>({1, n, 1}, FftDirection::Forward)(padded.data());
+  std::vector<float> spectrum;
+  for (const auto& value : padded)
+    spectrum.push_back(static_cast<float>(value.real()));
+  return spectrum;
+}
+
 }  // namespace
 
 std::string_view name_of(Recipe recipe) {
   constexpr std::array<std::string_view, 3> kNames = {"separable", "full", "joint"};
   return kNames[static_cast<std::size_t>(recipe)];
+}
+
+bool AxisSpectrum::constant(std::size_t channel) const {
+  return !strips[channel].empty() && std::all_of(strips[channel].begin(), strips[channel].end(),
+                                                 [](const auto& strip) { return (strip == 0).all(); });
 }
 
 std::vector<float> AxisSpectrum::amplitudes(std::size_t channel, Eigen::Index n) const {
@@ -87,7 +135,7 @@ std::vector<float> AxisSpectrum::amplitudes(std::size_t channel, Eigen::Index n)
     }
     shortest = std::min(shortest, strip.size());
   }
-  if (*std::max_element(power.begin(), power.end()) == 0) {  // constant along this axis
+  if (constant(channel)) {
     std::fill(amplitude.begin() + 1, amplitude.end(), 0);
     return amplitude;
   }
@@ -149,20 +197,16 @@ AxisAmplitudes axis_amplitudes(const TextureModel& model, std::size_t component,
                                Eigen::Index cols) {
   const auto& axes = std::get<TextureModel::Axes>(model.spectrum);
   AxisAmplitudes amplitudes = {axes.x.amplitudes(component, cols), axes.y.amplitudes(component, rows)};
-  const auto power = [](const std::vector<float>& a) {
-    double sum = 0;
-    for (const float value : a)
-      sum += static_cast<double>(value) * value;
-    return sum;
-  };
   const double dc = std::pow(static_cast<double>(amplitudes.x[0]) * amplitudes.y[0], 2);
-  const double whole = power(amplitudes.x) * power(amplitudes.y) - dc;
-  // A direction along which nothing varies has no amplitudes; then there is no variance to share out either.
-  const double scale = whole > 0 ? std::sqrt(model.variance[component] / whole) : 0;
-  for (float& value : amplitudes.y)
-    value = static_cast<float>(value * scale);
-  amplitudes.x.resize(static_cast<std::size_t>(cols / 2 + 1));
-  return amplitudes;
+  return scaled(std::move(amplitudes), model.variance[component], dc);
+}
+
+AxisAmplitudes kernel_amplitudes(const TextureModel& model, std::size_t component, Eigen::Index rows,
+                                 Eigen::Index cols, Eigen::Index reach) {
+  const auto& axes = std::get<TextureModel::Axes>(model.spectrum);
+  return scaled(
+      {kernel_spectrum(axes.x, component, cols, reach), kernel_spectrum(axes.y, component, rows, reach)},
+      model.variance[component], 0);
 }
 
 Grid<std::complex<float>> block_amplitudes(const TextureModel& model, std::size_t component,

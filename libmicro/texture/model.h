@@ -27,6 +27,9 @@ struct AxisSpectrum {
   /// √ of the mean power of the strips at the frequencies 0 … n−1 over n. Below the lowest frequency that a
   /// strip resolves, 1/length, the power is taken as there: a strip cannot tell its mean from slow variation.
   std::vector<float> amplitudes(std::size_t channel, Eigen::Index n) const;
+
+  /// Whether nothing varies along this axis.
+  bool constant(std::size_t channel) const;
 };
 
 /// A Gaussian model of five channels: components with spectra, mixed into channels.
@@ -57,6 +60,12 @@ struct AxisAmplitudes {
 };
 AxisAmplitudes axis_amplitudes(const TextureModel& model, std::size_t component, Eigen::Index rows,
                                Eigen::Index cols);
+/// The same for white noise on rows × cols texels, of which each reaches no further than `reach`: the spectra
+/// of one kernel whatever the size (at least 2·reach). It is that of 2·reach texels, drawn to zero over
+/// its outer half, so that its spectrum is smoothed by less than 1/reach. (0, 0) stays; an axis along which
+/// nothing varies is white (there the noise has to be constant).
+AxisAmplitudes kernel_amplitudes(const TextureModel& model, std::size_t component, Eigen::Index rows,
+                                 Eigen::Index cols, Eigen::Index reach);
 Grid<std::complex<float>> block_amplitudes(const TextureModel& model, std::size_t component,
                                            Eigen::Index rows, Eigen::Index cols);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "core/parallel.h"
 #include "core/random.h"
@@ -37,19 +38,22 @@ struct Amplitudes {
   std::array<AxisAmplitudes, kChannels> axes;
   std::array<Grid<Complex>, kChannels> blocks;
 
-  Amplitudes(const TextureModel& model, Eigen::Index rows, Eigen::Index cols) {
+  /// Of a whole texture; of white noise if the kernel's `reach` is given.
+  Amplitudes(const TextureModel& model, Eigen::Index rows, Eigen::Index cols,
+             std::optional<Eigen::Index> reach = {}) {
     const bool separable = std::holds_alternative<TextureModel::Axes>(model.spectrum);
     parallel_for(kChannels, [&](std::int64_t k) {
       const auto m = static_cast<std::size_t>(k);
-      if (separable)
-        axes[m] = axis_amplitudes(model, m, rows, cols);
-      else
+      if (!separable)
         blocks[m] = block_amplitudes(model, m, rows, cols);
+      else if (reach)
+        axes[m] = kernel_amplitudes(model, m, rows, cols, *reach);
+      else
+        axes[m] = axis_amplitudes(model, m, rows, cols);
     });
   }
   bool separable() const { return blocks[0].size() == 0; }
   Complex at(std::size_t m, Eigen::Index j, Eigen::Index i) const {
-    if (i + j == 0) return 0;
     if (!separable()) return blocks[m](j, i);
     return axes[m].y[static_cast<std::size_t>(j)] * axes[m].x[static_cast<std::size_t>(i)];
   }
@@ -134,6 +138,48 @@ const std::vector<float>& normal_table() {
   return table;
 }
 
+/// How far a part's texels reach. A block's kernel is the block; that of strips, which has no phase, has
+/// tails beyond its exemplar's length.
+Eigen::Index kernel_reach(const TextureModel& model) {
+  const Eigen::Index reach = reach_of(model);
+  if (std::holds_alternative<TextureModel::Blocks>(model.spectrum)) return reach;
+  return std::clamp<Eigen::Index>(6 * reach, 64, 1024);
+}
+
+/// White noise of every component (of one for all if they have a common phase) on a part of a texture's
+/// plane, periodic with the texture; constant along an axis along which the component is.
+std::array<FftVector<float>, kChannels> periodic_noise(const TextureModel& model, const TextureSize& size,
+                                                       std::uint64_t seed, const TexturePart& part) {
+  const std::size_t drawn = model.common_phase() ? 1 : kChannels;
+  std::array<FftVector<float>, kChannels> noise;
+  std::array<bool, kChannels> along_x{}, along_y{};
+  for (std::size_t m = 0; m < drawn; ++m) {
+    noise[m].resize(static_cast<std::size_t>(part.rows * part.cols));
+    if (const auto* axes = std::get_if<TextureModel::Axes>(&model.spectrum)) {
+      along_x[m] = axes->x.constant(m);
+      along_y[m] = axes->y.constant(m);
+    }
+  }
+  const auto& quantiles = normal_table();
+  const auto wrapped = [](Eigen::Index k, Eigen::Index n) { return ((k % n) + n) % n; };
+  const auto words_at = [&](Eigen::Index row, Eigen::Index col) {
+    return random_words(seed, kNoiseStream, static_cast<std::uint64_t>(row * size.cols + col));
+  };
+  parallel_blocks(part.rows, kRowsPerBlock, [&](std::int64_t begin, std::int64_t end) {
+    for (Eigen::Index j = begin; j < end; ++j)
+      for (Eigen::Index i = 0; i < part.cols; ++i) {
+        const Eigen::Index row = wrapped(part.row + j, size.rows), col = wrapped(part.col + i, size.cols);
+        const auto words = words_at(row, col);
+        for (std::size_t m = 0; m < drawn; ++m) {
+          const bool constant = along_x[m] || along_y[m];
+          noise[m][static_cast<std::size_t>(j * part.cols + i)] = quantiles[half_word(
+              constant ? words_at(along_y[m] ? 0 : row, along_x[m] ? 0 : col) : words, m)];
+        }
+      }
+  });
+  return noise;
+}
+
 }  // namespace
 
 TextureField synthesise(const TextureModel& model, const TextureSize& size, std::uint64_t seed) {
@@ -160,30 +206,13 @@ TextureField synthesise(const TextureModel& model, const TextureSize& size, std:
 
 TextureField synthesise_part(const TextureModel& model, const TextureSize& size, std::uint64_t seed,
                              const TexturePart& part) {
-  // A kernel without phase has tails beyond its exemplar's length; that of joint blocks ends with it.
-  const Eigen::Index margin =
-      std::clamp<Eigen::Index>((model.common_phase() ? 1 : 6) * reach_of(model), 64, 1024);
+  const Eigen::Index margin = kernel_reach(model);
   const Eigen::Index rows = fast_fft_size(part.rows + 2 * margin),
                      cols = fast_fft_size(part.cols + 2 * margin);
   const RealFft<float> transform({rows, cols, 1});
-  const Amplitudes amplitudes(model, rows, cols);
-  const auto& quantiles = normal_table();
-  std::array<FftVector<float>, kChannels> noise;
+  const Amplitudes amplitudes(model, rows, cols, margin);
   const bool common = model.common_phase();
-  for (std::size_t m = 0; m < (common ? 1 : kChannels); ++m)
-    noise[m].resize(static_cast<std::size_t>(rows * cols));
-  const auto wrapped = [](Eigen::Index k, Eigen::Index n) { return ((k % n) + n) % n; };
-  parallel_blocks(rows, kRowsPerBlock, [&](std::int64_t begin, std::int64_t end) {
-    for (Eigen::Index j = begin; j < end; ++j)
-      for (Eigen::Index i = 0; i < cols; ++i) {
-        const auto counter =
-            static_cast<std::uint64_t>(wrapped(part.row - margin + j, size.rows) * size.cols +
-                                       wrapped(part.col - margin + i, size.cols));
-        const auto words = random_words(seed, kNoiseStream, counter);
-        for (std::size_t m = 0; m < kChannels && !noise[m].empty(); ++m)
-          noise[m][static_cast<std::size_t>(j * cols + i)] = quantiles[half_word(words, m)];
-      }
-  });
+  auto noise = periodic_noise(model, size, seed, {part.row - margin, part.col - margin, rows, cols});
   // Noise of variance 1 has numbers of mean square rows·cols where synthesise() has phases of modulus 1.
   const float unit = 1 / std::sqrt(static_cast<float>(rows) * static_cast<float>(cols));
   Spectra drawn;

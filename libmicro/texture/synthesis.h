@@ -20,9 +20,9 @@ struct TextureSize {
 TextureField synthesise(const TextureModel& model, const TextureSize& size, std::uint64_t seed);
 
 /// A part of a texture of any size, in memory that goes with the part: white noise, counter-based and
-/// periodic over the whole texture, convolved with the model's kernel on the part and a margin about it. The
-/// same law as synthesise(), not the same texture: mean and variance are the model's on average. Parts meet:
-/// what the margin cuts off the kernel is what they differ by, a few percent of a standard deviation at most.
+/// periodic over the whole texture, convolved with the model's kernel, which ends within a margin about the
+/// part. The same law as synthesise(), not the same texture: mean and variance are the model's on average.
+/// Parts agree to the rounding of float32 transforms, some 1e-5 of a standard deviation.
 struct TexturePart {
   Eigen::Index row = 0, col = 0, rows = 0, cols = 0;
 };
