@@ -4,17 +4,13 @@
 #   bench/accuracy.sh --part brdf   only this part anew (kirchhoff, fit, brdf, texture), the others as they stand
 # Takes some ten minutes on two cores, the part brdf a minute on one.
 set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 part=
 if [[ ${1:-} == --part ]]; then
   part=$2
   shift 2
 fi
-scans=()
-for scan in "$@"; do scans+=("$(realpath -- "$scan")"); done
-cd "$root"
-cmake --preset release -DMICRO_BENCH=ON >/dev/null
-cmake --build --preset release --target error_vs_time >/dev/null
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+build error_vs_time
 mkdir -p docs/accuracy
 csv=docs/accuracy/error_vs_time.csv
 if [[ -z $part ]]; then

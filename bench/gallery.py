@@ -11,14 +11,15 @@ FIGURES = {("anisotropic", "filtered"), ("brushed", "kirchhoff"), ("newview_mill
 TEXTURES = """\
 ## Textures
 
-One command each, `microbrdf texture strip.dat --texel 15um --size 256`: texels of a strip 1.2 mm long above, the texture made
-like them below ([texture.md](texture.md)); slope coordinates on the exemplar's mean ± 2.5 standard deviations.
+One command each, `microbrdf texture strips --layout "r{row}_c{col}" --texel 60um --size 256`: three strips along and three across, each of
+64 texels (3.8 mm), above on blue; the texture made like them below ([texture.md](texture.md)); slope coordinates on the exemplar's mean
+± 2.5 standard deviations.
 
-**brushed** (scratches 300 µm long, along y)
+**brushed** (scratches 2 mm long, along y)
 
 ![brushed texture](gallery/texture_brushed.png)
 
-**isotropic** (multiscale)
+**isotropic** (multiscale, correlation lengths to 300 µm)
 
 ![isotropic texture](gallery/texture_isotropic.png)
 """.splitlines()

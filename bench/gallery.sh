@@ -3,13 +3,8 @@
 #   bench/gallery.sh [SCAN...]     real scans beside the made ones
 # Real scans are read where they are; only a figure of some of them goes into docs/gallery/.
 set -euo pipefail
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-scans=()
-for scan in "$@"; do scans+=("$(realpath -- "$scan")"); done
-cd "$root"
-cmake --preset release >/dev/null
-cmake --build --preset release --target microbrdf >/dev/null
-microbrdf=$root/build/release/microbrdf
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+build microbrdf
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -35,14 +30,22 @@ made multiscale multiscale
 made brushed brushed
 for name in gaussian anisotropic multiscale brushed; do fitted made "$name" "$work/scans/$name"; done
 for scan in "${scans[@]}"; do fitted real "$(basename "$scan")" "$scan"; done
-textured() {  # textured NAME KIND OPTION...: a strip across, cut into texels, and the texture made from it
-  local name=$1
+textured() {  # textured NAME KIND OPTION...: strips along and across of one surface, and the texture made from them
+  local name=$1 place seed=0 strips size
   shift
-  "$microbrdf" synth "$@" --rows 960 --cols 4800 --pitch 0.25um -o "$work/$name.dat" >/dev/null
-  "$microbrdf" texture "$work/$name.dat" -o "$work/$name" --texel 15um --size 256 >/dev/null
-  cp "$work/$name/texture.png" "docs/gallery/texture_$name.png"
+  strips=$work/strips/$name
+  mkdir -p "$strips"
+  # Columns 1 to 3 of the layout, so that no strip across continues one along.
+  for place in r0_c0 r1_c0 r2_c0 r3_c1 r3_c2 r3_c3; do
+    seed=$((seed + 1))
+    size=(--rows 15360 --cols 240)
+    [[ $place != *_c0 ]] || size=(--rows 240 --cols 15360)
+    "$microbrdf" synth "$@" "${size[@]}" --pitch 0.25um --seed "$seed" -o "$strips/$place.dat" >/dev/null
+  done
+  "$microbrdf" texture "$strips" --layout "r{row}_c{col}" --texel 60um --size 256 -o "$work/texture_$name" >/dev/null
+  cp "$work/texture_$name/texture.png" "docs/gallery/texture_$name.png"
 }
 mkdir -p docs/gallery
-textured brushed brushed --length 300um --width 3um --orientation 90deg --rms 0.2um --coverage 4 --spread 0.05
-textured isotropic multiscale --tau-max 60um
+textured brushed brushed --length 2000um --width 3um --orientation 90deg --rms 0.2um --coverage 4 --spread 0.05
+textured isotropic multiscale --tau-max 300um
 /usr/bin/python3 bench/gallery.py "$work/out" docs

@@ -1,9 +1,8 @@
 #!/usr/bin/env bash
 # Runs the zoo of extreme surfaces and writes docs/zoo.md: bench/zoo.sh
 set -euo pipefail
-cd "$(dirname "${BASH_SOURCE[0]}")/.."
-cmake --preset release -DMICRO_BENCH=ON >/dev/null
-cmake --build --preset release --target zoo constant_reflectance >/dev/null
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+build zoo constant_reflectance
 {
   cat <<'TEXT'
 # The zoo of extreme surfaces

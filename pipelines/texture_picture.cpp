@@ -9,7 +9,7 @@ namespace micro {
 namespace {
 
 constexpr Eigen::Index kSide = 256, kMargin = 12, kLabel = 14;
-constexpr Rgb kPaper = {255, 255, 255}, kGap = {255, 220, 0};
+constexpr Rgb kPaper = {255, 255, 255}, kGap = {214, 226, 245};
 
 Rgb grey(double value, double mean, double deviation) {
   if (std::isnan(value)) return kGap;
