@@ -30,6 +30,8 @@ cat "$work"/scans/*.dat >/dev/null
 timed "filtered NDF of 400 scans, disk to result" "$microbrdf" ndf "$work/scans" -o "$work/filtered.h5" --method filtered
 timed "filtered NDF of 16 scans, disk to result" "$microbrdf" ndf "$work/few" -o "$work/filtered16.h5" --method filtered
 timed "D_K of 16 scans, the whole disk, tol 1e-3" "$microbrdf" ndf "$work/few" -o "$work/kirchhoff.h5" --method kirchhoff
+timed "the same at 41 wavelengths" "$microbrdf" run "$work/few" -o "$work/spectrum" --lambda-q 380nm..780nm/10nm \
+  --without naive,filtered,fit,statistics,pictures,report
 build/release/bench/kirchhoff_bench
 for bench in "${benches[@]}"; do
   "build/release/bench/$bench" --benchmark_min_time=0.5 2>/dev/null
