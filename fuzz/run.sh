@@ -21,7 +21,6 @@ shift $((OPTIND - 1))
 [[ -f build/fuzz/build.ninja ]] || cmake --preset fuzz
 cmake --build --preset fuzz -j "${MICRO_JOBS:-$(nproc)}"
 cd build/fuzz
-export ASAN_OPTIONS=allocator_may_return_null=1:alloc_dealloc_mismatch=0:detect_leaks=0
 
 # A finding ends libFuzzer's run; the next one goes on with what is left.
 fuzz() {  # fuzz FORMAT EXECUTIONS MEGABYTES
@@ -30,8 +29,9 @@ fuzz() {  # fuzz FORMAT EXECUTIONS MEGABYTES
     [[ ! -d $folder ]] || folders+=("$folder")
   done
   mkdir -p "found/$format"
+  export ASAN_OPTIONS=allocator_may_return_null=1:max_allocation_size_mb=$3:alloc_dealloc_mismatch=0:detect_leaks=0
   while [[ $SECONDS -lt $end && $total -lt $executions ]]; do
-    "./fuzz_$format" "${folders[@]}" -max_len=8192 -timeout=20 -rss_limit_mb=4096 -malloc_limit_mb="$3" \
+    "./fuzz_$format" "${folders[@]}" -max_len=8192 -timeout=20 -rss_limit_mb=4096 \
       -max_total_time=$((end - SECONDS)) -runs=$((executions - total)) -print_final_stats=1 \
       -artifact_prefix="found/$format/" >"$log" 2>&1 || true
     ran=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")

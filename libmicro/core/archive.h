@@ -1,10 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -61,7 +61,7 @@ class ArchiveReader {
   void read(T& value);
   void raw(void* data, std::size_t size) {
     if (size > left_) throw BrokenArchive();
-    std::memcpy(data, next_, size);
+    std::copy_n(next_, size, static_cast<std::uint8_t*>(data));
     next_ += size;
     left_ -= size;
   }

@@ -64,14 +64,15 @@ void parallel_for(std::int64_t n, const std::function<void(std::int64_t)>& body)
   first.rethrow();
 }
 
-void parallel_in_order(std::int64_t n, const std::function<void(std::int64_t)>& produce,
-                       const std::function<void(std::int64_t)>& consume) {
+void parallel_in_order(std::int64_t n, const std::function<std::shared_ptr<void>(std::int64_t)>& produce,
+                       const std::function<void(std::int64_t, void*)>& consume) {
   FirstException first;
 #pragma omp parallel for ordered schedule(dynamic, 1) if (n > 1)
   for (std::int64_t i = 0; i < n; ++i) {
-    first.guard([&] { produce(i); });
+    std::shared_ptr<void> result;
+    first.guard([&] { result = produce(i); });
 #pragma omp ordered
-    first.guard([&] { consume(i); });
+    first.guard([&] { consume(i, result.get()); });
   }
   first.rethrow();
 }

@@ -2,9 +2,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
+#include <memory>
 #include <utility>
-#include <vector>
 
 namespace micro {
 
@@ -16,8 +15,8 @@ void set_thread_count(int n);
 
 namespace detail {
 void parallel_for(std::int64_t n, const std::function<void(std::int64_t)>& body);
-void parallel_in_order(std::int64_t n, const std::function<void(std::int64_t)>& produce,
-                       const std::function<void(std::int64_t)>& consume);
+void parallel_in_order(std::int64_t n, const std::function<std::shared_ptr<void>(std::int64_t)>& produce,
+                       const std::function<void(std::int64_t, void*)>& consume);
 }  // namespace detail
 
 /// Calls body(i) for i in [0, n) on all threads, in no particular order; inside another parallel loop it runs
@@ -43,18 +42,9 @@ void parallel_blocks(std::int64_t n, std::int64_t grain, Body&& body) {
 template <typename Produce, typename Consume>
 void parallel_in_order(std::int64_t n, Produce&& produce, Consume&& consume) {
   using Result = decltype(produce(std::int64_t{}));
-  // Indices are handed out in order, one to a thread, which keeps it until it is consumed: those at work are
-  // at most as many as there are threads, and follow each other.
-  std::vector<std::optional<Result>> pending(static_cast<std::size_t>(thread_count()));
-  const auto slot = [&](std::int64_t i) -> auto& {
-    return pending[static_cast<std::size_t>(i) % pending.size()];
-  };
   detail::parallel_in_order(
-      n, [&](std::int64_t i) { slot(i).emplace(produce(i)); },
-      [&](std::int64_t i) {
-        consume(i, std::move(*slot(i)));
-        slot(i).reset();
-      });
+      n, [&](std::int64_t i) { return std::make_shared<Result>(produce(i)); },
+      [&](std::int64_t i, void* result) { consume(i, std::move(*static_cast<Result*>(result))); });
 }
 
 }  // namespace micro

@@ -13,6 +13,7 @@
 #include "io/small_scans_of_every_format_test.h"
 #include "io/small_scans_test.h"
 #include "testing/run_program.h"
+#include "testing/sanitizers.h"
 #include "testing/temporary_folder.h"
 
 // Any bytes are a scan or a FileError, nothing else.
@@ -162,13 +163,7 @@ TEST_P(HostileFiles, WhatWasFoundIsReadOrRefused) {
 /// The real program under the limits that it promises: 2 GiB of address space and 20 s, which here are for
 /// all of a batch of files together. It ends by itself, with no signal.
 TEST_P(HostileFiles, TheProgramSurvivesThem) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers reserve more address space";
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-  GTEST_SKIP() << "sanitizers reserve more address space";
-#endif
-#endif
+  if (kSanitized) GTEST_SKIP() << "sanitizers reserve more address space";
   constexpr int kBatch = 10;
   const auto originals = small_scans_of_every_format(folder.path())[GetParam()];
   for (int first = 0; first < MICRO_MUTATIONS_OF_PROGRAM; first += kBatch) {

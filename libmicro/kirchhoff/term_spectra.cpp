@@ -36,7 +36,7 @@ FunctionTable<Real> make_function_table(const NestedTerms& terms, const HeightHi
   const HeightBasis::Functions f = terms.functions(table.entries, batch.first, batch.count);
   const int skipped = batch.with_area ? 1 : 0;
   for (int e = 0; e < table.entries; ++e) {
-    Real* value = &table.data[static_cast<std::size_t>(e) * 2 * table.padded];
+    Real* value = table.data.data() + static_cast<std::size_t>(e) * 2 * table.padded;
     for (int k = 0; k < batch.count; ++k) {
       value[skipped + k] = static_cast<Real>(f.value(e, k));
       value[table.padded + skipped + k] = static_cast<Real>(f.derivative(e, k));
