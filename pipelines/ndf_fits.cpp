@@ -79,6 +79,7 @@ void write_fit(Hdf5Writer& file, const NdfFit& ndf_fit) {
   set("iterations", fit.iterations);
   set("nodes_across", fit.nodes_across);
   set("undetermined", std::string_view(fit.undetermined));
+  set("misfit", std::string_view(fit.misfit));
   set("weighting", std::string_view(ndf_fit.weighting == Weighting::Log ? "log" : "solid angle"));
   set("seconds", ndf_fit.seconds);
 }

@@ -8,8 +8,10 @@
 #include <map>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "core/error.h"
+#include "core/parallel.h"
 #include "io/scan.h"
 #include "pipelines/name_pattern.h"
 
@@ -93,29 +95,40 @@ std::vector<Eigen::Index> columns_of(const std::vector<double>& positions, doubl
   return numbers;
 }
 
-Places places_by_stage(const ScanListing& listing) {
-  Places places(listing.scans.size());
-  std::vector<std::size_t> placed;
+/// The places of scans by their headers, which are read on all threads, and those without one.
+TexelLayout layout_by_stage(const ScanListing& listing) {
+  TexelLayout layout{.places = Places(listing.scans.size()), .unplaced = {}, .how = "by stage coordinates"};
+  std::vector<std::int64_t> placed;
   std::vector<double> x, y;
   double width = std::numeric_limits<double>::infinity(), height = width;
-  std::optional<FileError> broken;
-  for (std::size_t k = 0; k < listing.scans.size(); ++k) {
-    try {
-      const StageWindow window = stage_window(listing.scans[k].path);
-      placed.push_back(k);
-      x.push_back(window.x);
-      y.push_back(window.y);
-      width = std::min(width, window.width);
-      height = std::min(height, window.height);
-    } catch (const FileError& error) {
-      broken = error;
-    }
-  }
-  if (placed.empty() && broken) throw *broken;
+  using Answer = std::variant<StageWindow, FileError>;
+  parallel_in_order(
+      static_cast<std::int64_t>(listing.scans.size()),
+      [&](std::int64_t k) -> Answer {
+        try {
+          return stage_window(listing.scans[static_cast<std::size_t>(k)].path);
+        } catch (const FileError& error) {
+          return error;
+        }
+      },
+      [&](std::int64_t k, const Answer& answer) {
+        if (const auto* error = std::get_if<FileError>(&answer)) {
+          layout.unplaced.emplace(k, error->fact());
+          return;
+        }
+        const auto& window = std::get<StageWindow>(answer);
+        placed.push_back(k);
+        x.push_back(window.x);
+        y.push_back(window.y);
+        width = std::min(width, window.width);
+        height = std::min(height, window.height);
+      });
+  if (placed.empty() && !layout.unplaced.empty())
+    throw FileError(listing.scans.front().path, layout.unplaced.begin()->second);
   const auto cols = columns_of(x, width, "x"), rows = columns_of(y, height, "y");
   for (std::size_t n = 0; n < placed.size(); ++n)
-    places[placed[n]] = Place{rows[n], cols[n]};
-  return places;
+    layout.places[static_cast<std::size_t>(placed[n])] = Place{rows[n], cols[n]};
+  return layout;
 }
 
 }  // namespace
@@ -130,8 +143,7 @@ TexelLayout lay_out(const ScanListing& listing, const LayoutRule& rule) {
     layout.places = places_by_manifest(listing, manifest->path);
     layout.how = "by the manifest";
   } else if (std::holds_alternative<ByStage>(rule)) {
-    layout.places = places_by_stage(listing);
-    layout.how = "by stage coordinates";
+    layout = layout_by_stage(listing);
   } else {
     for (std::size_t k = 0; k < listing.scans.size(); ++k)
       layout.places.push_back(Place{0, static_cast<Eigen::Index>(k)});

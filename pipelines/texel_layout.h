@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <variant>
@@ -31,15 +33,14 @@ struct TexelLayout {
     Eigen::Index row, col;
   };
   Eigen::Index rows = 0, cols = 0;
-  /// Of the scans, the smallest row and column being 0; none for those whose stage coordinates cannot be
-  /// read.
-  std::vector<std::optional<Place>> places;
-  std::string how;  ///< for the plan
+  std::vector<std::optional<Place>> places;      ///< of the scans, the smallest row and column being 0
+  std::map<std::int64_t, std::string> unplaced;  ///< scans without a place, and why
+  std::string how;                               ///< for the plan
 };
 
 /// Throws InputError (FileError for the manifest's own faults) if a scan has no place, two have the same, the
-/// grid would have more than 10⁸ places, or stage coordinates form none. By stage, a scan whose header is
-/// broken has no place; it throws if that is so for all.
+/// grid would have more than 10⁸ places, or stage coordinates form none. By stage, a scan whose header
+/// does not say where it lies has no place; it throws FileError if that is so for all.
 TexelLayout lay_out(const ScanListing& listing, const LayoutRule& rule);
 
 }  // namespace micro

@@ -148,10 +148,9 @@ std::int64_t Texels::count() const {
   return std::count_if(states.begin(), states.end(), [](TexelState s) { return s != TexelState::Gap; });
 }
 
-Texels texels_of_scans(const ScanListing& listing, const TexelRequest& request,
+Texels texels_of_scans(const ScanListing& listing, const TexelLayout& layout, const TexelRequest& request,
                        const std::function<void(const Progress&)>& report) {
   const Stopwatch watch;
-  const TexelLayout layout = lay_out(listing, request.layout);
   Texels texels;
   texels.sigma = request.sigma;
   texels.ndf_size = request.ndf_size;
@@ -161,8 +160,8 @@ Texels texels_of_scans(const ScanListing& listing, const TexelRequest& request,
   parallel_in_order(
       total, [&](std::int64_t k) { return cut_scan(listing.scans[static_cast<std::size_t>(k)], request); },
       [&](std::int64_t k, ScanTexels outcome) {
-        if (!outcome.record.failure && !layout.places[static_cast<std::size_t>(k)])
-          outcome.record.failure = "its header does not say where the stage stood";
+        if (const auto why = layout.unplaced.find(k); !outcome.record.failure && why != layout.unplaced.end())
+          outcome.record.failure = why->second;
         if (!outcome.record.failure) pitches.add(outcome.record.dx, outcome.record.dy, outcome.record.source);
         cuts.push_back(std::move(outcome));
         report({k + 1, total, cuts.back().record.source});

@@ -18,9 +18,8 @@ struct TexelRequest {
   enum class Tilt { RemoveCommon, Keep } tilt = Tilt::RemoveCommon;
   double sigma = 1;           ///< µm
   std::optional<Vec2> block;  ///< width and height of a texel, µm; absent: each scan is one
-  LayoutRule layout = InOrder{};
-  double enough = 50;  ///< independent normals below which a texel's fit is shrunk
-  int ndf_size = 33;   ///< see TexelCut::ndf_size
+  double enough = 50;         ///< independent normals below which a texel's fit is shrunk
+  int ndf_size = 33;          ///< see TexelCut::ndf_size
 };
 
 /// How a texel of the grid came about.
@@ -49,10 +48,10 @@ struct Texels {
   std::int64_t count() const;
 };
 
-/// Reads scans, lays them out, and fits each texel [Dong15 §9]. A scan that fails is recorded and leaves a
-/// gap. The same for any number of threads. Throws MixedPitches if pitches differ by more than 1 %,
-/// InputError if the layout makes no sense.
-Texels texels_of_scans(const ScanListing& listing, const TexelRequest& request,
+/// Reads scans, puts them where the layout of the listing says, and fits each texel [Dong15 §9]. A scan that
+/// fails, or has no place, is recorded and leaves a gap. The same for any number of threads. Throws
+/// MixedPitches if pitches differ by more than 1 %.
+Texels texels_of_scans(const ScanListing& listing, const TexelLayout& layout, const TexelRequest& request,
                        const std::function<void(const Progress&)>& report);
 
 /// Draws texels of fewer than `enough` independent normals towards the mean of the others, in slope

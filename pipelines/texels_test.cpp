@@ -85,6 +85,7 @@ TEST(TexelLayout, ReadsStageCoordinates) {
   add("silent", std::nan(""), 0);
   layout = lay_out(listing, ByStage{});
   EXPECT_FALSE(layout.places[4]);
+  EXPECT_NE(layout.unplaced.at(4).find("stage"), std::string::npos);
   EXPECT_TRUE(layout.places[3]);
   add("off the grid", 28, 0);
   EXPECT_THROW(lay_out(listing, ByStage{}), InputError);
@@ -141,8 +142,9 @@ class TexelsOfScans : public ::testing::Test {
   void scan(const std::string& name, const HeightField& surface) {
     write_zygo_dat(folder_.path() / name, surface);
   }
-  Texels texels(const TexelRequest& request) const {
-    return texels_of_scans(list_scans({folder_.path()}), request, [](const Progress&) {});
+  Texels texels(const TexelRequest& request, const LayoutRule& rule = InOrder{}) const {
+    const ScanListing listing = list_scans({folder_.path()});
+    return texels_of_scans(listing, lay_out(listing, rule), request, [](const Progress&) {});
   }
   TemporaryFolder folder_;
 };
@@ -152,9 +154,7 @@ TEST_F(TexelsOfScans, LeaveGapsAndNameWhatFails) {
   scan("r2_c1.dat", rough(80, 60, 2));
   scan("r1_c1.dat", rough(80, 60, 3));
   std::filesystem::resize_file(folder_.path() / "r1_c1.dat", 3000);
-  TexelRequest request;
-  request.layout = ByName{"r{row}_c{col}"};
-  const Texels found = texels(request);
+  const Texels found = texels({}, ByName{"r{row}_c{col}"});
   EXPECT_EQ(found.rows, 3);
   EXPECT_EQ(found.cols, 2);
   EXPECT_EQ(found.count(), 2);
@@ -180,10 +180,9 @@ TEST_F(TexelsOfScans, FormACrossOfStrips) {
   scan("r1_c0.dat", rough(240, 80, 2));  // 6 × 2 along
   scan("r1_c1.dat", rough(120, 40, 3));  // 3 × 1 beside it
   TexelRequest request;
-  request.layout = ByName{"r{row}_c{col}"};
   request.enough = 0;
   request.block = Vec2(10, 10);
-  const Texels found = texels(request);
+  const Texels found = texels(request, ByName{"r{row}_c{col}"});
   ASSERT_EQ(found.rows, 8);
   ASSERT_EQ(found.cols, 7);
   EXPECT_EQ(found.count(), 12 + 12 + 3);

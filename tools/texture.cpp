@@ -44,12 +44,14 @@ TexelRequest request_of(const Options& options) {
     request.prepare.level = *level_from_name(options.level);
     request.tilt = TexelRequest::Tilt::Keep;
   }
-  if (options.layout == "stage")
-    request.layout = ByStage{};
-  else if (!options.layout.empty())
-    request.layout = ByName{options.layout};
-  if (!options.manifest.empty()) request.layout = Manifest{options.manifest};
   return request;
+}
+
+LayoutRule layout_rule_of(const Options& options) {
+  if (!options.manifest.empty()) return Manifest{options.manifest};
+  if (options.layout.empty()) return InOrder{};
+  if (options.layout == "stage") return ByStage{};
+  return ByName{options.layout};
 }
 
 /// N, or WIDTHxHEIGHT.
@@ -135,9 +137,9 @@ int run(const Options& options, const CLI::App& app) {
   const std::filesystem::path output = options.output;
   const ScanListing listing = list_scans({options.scans.begin(), options.scans.end()}, output);
   require_scans(listing, options.scans);
-  lay_out(listing, request.layout);  // what makes no sense is refused before there is a folder
+  const TexelLayout layout = lay_out(listing, layout_rule_of(options));  // refuses before there is a folder
   const OutputLock lock(output);
-  Texels texels = texels_of_scans(listing, request, progress_line(options.common));
+  Texels texels = texels_of_scans(listing, layout, request, progress_line(options.common));
   bool failed = false;
   for (const ScanRecord& scan : texels.scans) {
     if (!scan.failure) continue;

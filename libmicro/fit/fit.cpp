@@ -258,7 +258,7 @@ Fit with_energy_checked(Fit found, const DiskTable& table) {
   std::ostringstream text;
   text << std::setprecision(3) << "the table holds " << energy
        << " times the energy of a distribution: its densities are not per steradian";
-  found.undetermined = text.str();
+  found.misfit = text.str();
   if (found.status == FitStatus::Converged) found.status = FitStatus::Misfit;
   return found;
 }

@@ -31,7 +31,8 @@ struct Fit {
   double rel_rms = 0;        ///< √(Σ(D_k − D)²dω / ΣD_k²dω)
   int iterations = 0;        ///< on the nodes of the core, on a part, and on the whole table
   double nodes_across = 0;   ///< full width at half maximum of the lobe's narrowest section, in nodes
-  std::string undetermined;  ///< what the table cannot tell, or why it is no distribution, in words
+  std::string undetermined;  ///< what the table cannot tell, in words; empty if nothing
+  std::string misfit;        ///< why the table is no distribution, in words; empty if it may be one
 };
 
 /// Fits five parameters to a table by Levenberg–Marquardt, started from the quantiles of the table's core.

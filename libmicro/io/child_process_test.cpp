@@ -77,7 +77,7 @@ TEST(ChildProcess, ItsTimeIsLimited) {
 }
 
 TEST(ChildProcess, ItsMemoryIsLimited) {
-  if (kSanitized) GTEST_SKIP() << "sanitizers abort where memory cannot be had";
+  if (testing::kSanitized) GTEST_SKIP() << "sanitizers abort where memory cannot be had";
   constexpr std::size_t too_much = std::size_t{4} << 30;
   const auto take = [](ChildOutput& out) {
     const std::unique_ptr<char[]> bytes(new char[too_much]);

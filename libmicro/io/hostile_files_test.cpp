@@ -163,7 +163,7 @@ TEST_P(HostileFiles, WhatWasFoundIsReadOrRefused) {
 /// The real program under the limits that it promises: 2 GiB of address space and 20 s, which here are for
 /// all of a batch of files together. It ends by itself, with no signal.
 TEST_P(HostileFiles, TheProgramSurvivesThem) {
-  if (kSanitized) GTEST_SKIP() << "sanitizers reserve more address space";
+  if (testing::kSanitized) GTEST_SKIP() << "sanitizers reserve more address space";
   constexpr int kBatch = 10;
   const auto originals = small_scans_of_every_format(folder.path())[GetParam()];
   for (int first = 0; first < MICRO_MUTATIONS_OF_PROGRAM; first += kBatch) {

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace micro {
+namespace micro::testing {
 
 /// Whether this is built with the address or thread sanitizer: they reserve terabytes of address space, and
 /// abort where memory cannot be had.
@@ -12,4 +12,4 @@ inline constexpr bool kSanitized = __has_feature(address_sanitizer) || __has_fea
 inline constexpr bool kSanitized = false;
 #endif
 
-}  // namespace micro
+}  // namespace micro::testing
