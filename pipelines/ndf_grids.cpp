@@ -61,7 +61,7 @@ std::vector<double> survey(const ScanListing& listing, const NdfRequest& request
       static_cast<std::int64_t>(surveyed),
       [&](std::int64_t k) {
         const std::size_t scan = static_cast<std::size_t>(k) * listing.scans.size() / surveyed;
-        return look_at(listing.scans[scan], brief, estimators, false);
+        return look_at(listing.scans[scan], brief, estimators, Thumbnail::LeaveOut);
       },
       [&](std::int64_t, const ScanOutcome& outcome) {
         for (std::size_t m = 0; m < extents.size(); ++m)

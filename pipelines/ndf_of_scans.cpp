@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/estimate.h"
 #include "core/parallel.h"
+#include "pipelines/finish_sums.h"
 #include "pipelines/ndf_grids.h"
 #include "pipelines/pitch_groups.h"
 #include "pipelines/run_sums.h"
@@ -48,42 +49,6 @@ void require_one_pitch(const ScanListing& listing, const NdfRequest& request) {
           pitches.add(look.dx, look.dy, source);
       });
   if (pitches.mixed()) throw MixedPitches(pitches, std::move(failed));
-}
-
-/// The stages before the methods.
-Plan plan_of_scans(const std::vector<ScanRecord>& scans, const NdfRequest& request) {
-  std::int64_t read = 0, with_holes = 0, missing = 0, rejected = 0, filled = 0;
-  for (const ScanRecord& scan : scans) {
-    if (scan.failure) continue;
-    ++read;
-    with_holes += scan.holes > 0 ? 1 : 0;
-    missing += scan.missing;
-    rejected += scan.rejected;
-    filled += scan.filled;
-  }
-  const Preparation& prepare = request.prepare;
-  Plan plan;
-  plan.push_back(ran("read", counted(read, "scan") + ", " + counted(missing, "missing point")));
-  plan.push_back(prepare.level == Level::None ? left_out("level", "--level none")
-                                              : ran("level", std::string(name_of(prepare.level))));
-  plan.push_back(prepare.outlier_threshold
-                     ? ran("outlier rejection", counted(rejected, "point") + " made missing")
-                     : left_out("outlier rejection", "not asked for"));
-  plan.push_back(prepare.holes == Preparation::Holes::Fill
-                     ? ran("hole filling", counted(filled, "point") + " filled")
-                     : left_out("hole filling", missing > 0 ? "not asked for" : "no point is missing"));
-  plan.push_back(
-      stage_if(request.statistics == NdfRequest::Statistics::Compute, "statistics",
-               request.statistics == NdfRequest::Statistics::Compute ? "Sq, Sdq" : "not asked for"));
-  const bool filters =
-      std::any_of(request.methods.begin(), request.methods.end(),
-                  [](const NdfMethod& method) { return std::holds_alternative<Filtered>(method.kind); });
-  if (filters)
-    plan.push_back(stage_if(with_holes > 0, "masked moments",
-                            with_holes > 0
-                                ? counted(with_holes, "scan") + " with missing points, near these"
-                                : "no point is missing: two convolutions and border profiles are enough"));
-  return plan;
 }
 
 /// Sums that nothing has been added to.
@@ -190,7 +155,8 @@ void gather(const ScanListing& listing, const NdfRequest& request, const Estimat
       total - first,
       [&](std::int64_t k) {
         const ListedScan& scan = listing.scans[static_cast<std::size_t>(first + k)];
-        return look_at(scan, request, estimators, first + k < request.thumbnails);
+        return look_at(scan, request, estimators,
+                       first + k < request.thumbnails ? Thumbnail::Make : Thumbnail::LeaveOut);
       },
       [&](std::int64_t k, ScanOutcome outcome) {
         add_outcome(sums, std::move(outcome));
@@ -212,64 +178,6 @@ void gather_spectrum(const ScanListing& listing, const ScanListing& own, const N
         if (!refusal.empty() && request.unfit == NdfRequest::Unfit::Fail) sums.scans[k].failure = refusal;
         steps.after(static_cast<std::int64_t>(k) + 1, total, sums);
       });
-}
-
-/// Means, plan and signature from the sums of all scans.
-NdfResult finish(RunSums sums, const NdfRequest& request) {
-  NdfResult result;
-  result.scans = std::move(sums.scans);
-  result.thumbnails = std::move(sums.thumbnails);
-  result.plan = plan_of_scans(result.scans, request);
-  const auto add_stages = [&](Plan stages) {
-    result.plan.insert(result.plan.end(), stages.begin(), stages.end());
-  };
-  for (const NdfMean& mean : sums.means) {
-    add_stages(mean.plan());
-    if (mean.count() > 0) result.ndfs.push_back(mean.finish());
-  }
-  if (sums.directions) {
-    add_stages(sums.directions->plan());
-    result.directions = sums.directions->finish();
-  }
-  if (sums.spectrum) {
-    add_stages(plan_of(*sums.spectrum));
-    if (sums.spectrum->spectrum && sums.spectrum->spectrum->mean.count() > 0)
-      result.spectrum = std::move(sums.spectrum->spectrum);
-  }
-  const bool errors = std::any_of(result.ndfs.begin(), result.ndfs.end(),
-                                  [](const NdfOfScans& ndf) { return ndf.standard_error.has_value(); }) ||
-                      (result.directions && result.directions->standard_error) ||
-                      (result.spectrum && result.spectrum->mean.count() > 1);
-  result.plan.push_back(
-      stage_if(errors, "standard error", errors ? "over scans" : "needs two scans or more"));
-
-  if (request.signature) {
-    const std::size_t plain = result.ndfs.size();
-    for (std::size_t k = 0; k < plain; ++k) {
-      const Stopwatch stopwatch;
-      NdfOfScans blurred = result.ndfs[k];
-      blurred.density = convolve(blurred.density, request.signature->signature);
-      // Neighbouring nodes are correlated: errors of the blurred ones do not follow from the nodes' own.
-      blurred.standard_error.reset();
-      blurred.estimator_error.resize(0, 0);
-      blurred.method.name += "_signature" + request.signature->name;
-      blurred.signature = request.signature->name;
-      blurred.outside = std::max(0., 1 - normalization(blurred.density));
-      blurred.seconds = stopwatch.seconds();
-      result.ndfs.push_back(std::move(blurred));
-    }
-  }
-  result.plan.push_back(stage_if(request.signature.has_value(), "instrument signature",
-                                 request.signature ? request.signature->name : "not asked for"));
-  if (request.signature && result.spectrum)
-    result.plan.push_back(
-        left_out("instrument signature of the spectrum", "only tables of one wavelength are blurred"));
-  if (request.signature && errors)
-    result.plan.push_back(
-        left_out("standard error under the signature",
-                 "a blur mixes nodes whose errors are correlated, and the nodes' own errors do "
-                 "not tell how"));
-  return result;
 }
 
 }  // namespace
@@ -301,7 +209,7 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
 
   std::shared_ptr<ShardSums> shard;
   if (course.shard.count > 1) shard = std::make_shared<ShardSums>(ShardSums{request, course.shard, sums});
-  NdfResult result = finish(std::move(sums), request);
+  NdfResult result = finish_sums(std::move(sums), request);
   result.resumed = resumed;
   result.shard = std::move(shard);
   return result;
@@ -309,7 +217,7 @@ NdfResult ndf_of_scans(const ScanListing& listing, const NdfRequest& request,
 
 NdfResult ndf_of_shards(ShardSums joined) {
   if (joined.request.pitches == NdfRequest::Pitches::MustAgree) require_one_pitch(joined.sums.scans);
-  return finish(std::move(joined.sums), joined.request);
+  return finish_sums(std::move(joined.sums), joined.request);
 }
 
 }  // namespace micro

@@ -33,7 +33,7 @@ PreparedScan hash_and_prepare(const ListedScan& scan, const Preparation& prepara
 }  // namespace
 
 ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Estimators& estimators,
-                    bool thumbnail) {
+                    Thumbnail thumbnail) {
   ScanOutcome outcome;
   ScanRecord& record = outcome.record;
   record.source = scan.source;
@@ -67,7 +67,7 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Est
     if (estimators.directions)
       unless_unfit(outcome.directions_refusal,
                    [&] { outcome.directions = (*estimators.directions)(surface); });
-    if (thumbnail) outcome.thumbnail = thumbnail_of(surface);
+    if (thumbnail == Thumbnail::Make) outcome.thumbnail = thumbnail_of(surface);
   } catch (...) {
     record.failure = reason_of_failure();
   }

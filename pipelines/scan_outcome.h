@@ -26,8 +26,11 @@ struct Estimators {
   std::unique_ptr<KirchhoffScans> directions;
 };
 
+/// Whether a small picture of the surface is made as well.
+enum class Thumbnail { Make, LeaveOut };
+
 /// Reads, prepares and measures one scan. Throws nothing: what goes wrong is the record's failure.
 ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Estimators& estimators,
-                    bool thumbnail);
+                    Thumbnail thumbnail);
 
 }  // namespace micro

@@ -21,7 +21,7 @@ TEST(LookAt, AFileThatGrowsWhileItIsReadIsNoScan) {
   const fs::path path = folder.path() / "scan.dat";
   write_zygo_dat(path, make_height_field(Grid<double>::Random(200, 200), 0.2, 0.2));
   const ListedScan scan = {path, "scan.dat"};
-  EXPECT_FALSE(look_at(scan, {}, {}, false).record.failure);
+  EXPECT_FALSE(look_at(scan, {}, {}, Thumbnail::LeaveOut).record.failure);
 
   std::atomic<bool> enough = false;
   std::thread writer([&] {
@@ -35,13 +35,13 @@ TEST(LookAt, AFileThatGrowsWhileItIsReadIsNoScan) {
   constexpr int kMostLooks = 1000;
   ScanRecord record;
   for (int look = 0; look < kMostLooks && !record.failure; ++look)
-    record = look_at(scan, {}, {}, false).record;
+    record = look_at(scan, {}, {}, Thumbnail::LeaveOut).record;
   enough = true;
   writer.join();
   EXPECT_EQ(record.failure, "changed while it was read");
   EXPECT_EQ(record.sha256, "") << "a resumed run would take it for looked at";
 
-  record = look_at(scan, {}, {}, false).record;
+  record = look_at(scan, {}, {}, Thumbnail::LeaveOut).record;
   EXPECT_FALSE(record.failure);
   EXPECT_EQ(record.sha256, sha256_of_file(path));
 }

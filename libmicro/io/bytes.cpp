@@ -62,14 +62,4 @@ Pitch file_pitch(const fs::path& path, Pitch own, const ReadOptions& options) {
   return own;
 }
 
-std::string quoted(std::string_view words) {
-  constexpr unsigned char kSpace = 0x20, kDelete = 0x7f;
-  std::string text = "\"";
-  for (const char c : words) {
-    const auto byte = static_cast<unsigned char>(c);
-    text += byte < kSpace || byte == kDelete ? '?' : c;
-  }
-  return text + "\"";
-}
-
 }  // namespace micro

@@ -40,9 +40,6 @@ class FileBytes {
   std::unique_ptr<std::byte[]> data_;
 };
 
-/// Words of a file, in quotation marks, for a sentence: what does not print is a question mark.
-std::string quoted(std::string_view words);
-
 /// The T (an integer or float of 1, 2, 4 or 8 bytes) that stands at `at` in the given byte order.
 template <typename T>
 T load(const std::byte* at, std::endian order) {

@@ -23,6 +23,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "io/printable.h"
 
 namespace micro {
 namespace {
@@ -194,9 +195,10 @@ ChildOutput run_in_child(const std::filesystem::path& path, const ChildLimits& l
   if (WIFEXITED(*status) && WEXITSTATUS(*status) == kDone) return output;
   if (!WIFEXITED(*status) || WEXITSTATUS(*status) != kRefused)
     throw FileError(path, "is broken: the library that reads its format gave up");
-  std::string fact(std::min<std::size_t>(output.remaining(), 4096), '\0');
+  constexpr std::size_t most = 500;  // bytes of a sentence
+  std::string fact(std::min(output.remaining(), most + 1), '\0');
   output.read(fact.data(), fact.size());
-  throw FileError(path, fact);
+  throw FileError(path, printable(fact, most));  // it may quote the file
 }
 
 }  // namespace micro

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "io/bytes.h"
+#include "io/printable.h"
 
 namespace micro {
 namespace {
@@ -60,7 +61,8 @@ double micrometres(const FileBytes& file, Offset offset, const char* axis) {
                                 Unit{"um", 1},        Unit{"nm", 1e-3}};
   for (const Unit& candidate : units)
     if (candidate.name == unit) return candidate.micrometres;
-  throw FileError(file.path(), "its unit along " + std::string(axis) + ", " + quoted(unit) + ", is unknown");
+  throw FileError(file.path(),
+                  "its unit along " + std::string(axis) + ", " + in_quotes(unit) + ", is unknown");
 }
 
 /// What the header says, in the file's byte order. Throws FileError if it is no header of one.
@@ -84,8 +86,9 @@ class Header {
 };
 
 /// The points of a compressed file: from `at` on stand the number of streams, the bytes of each unpacked and
-/// packed, and the streams themselves.
-std::vector<std::byte> unpack(const FileBytes& file, std::uint64_t at, std::endian order) {
+/// packed, and the streams themselves. Those behind the `wanted` bytes are left alone.
+std::vector<std::byte> unpack(const FileBytes& file, std::uint64_t at, std::endian order,
+                              std::uint64_t wanted) {
   constexpr std::uint64_t most_compression = 1100;  // deflate: 1032 : 1, and its frame
   constexpr std::uint64_t entry_bytes = 8;
   file.require(file.size() - at >= 4, "is cut: it has no directory of its compressed points");
@@ -96,7 +99,7 @@ std::vector<std::byte> unpack(const FileBytes& file, std::uint64_t at, std::endi
                "is cut in the directory of its compressed points");
   std::uint64_t packed_at = entry + streams * entry_bytes;
   std::vector<std::byte> points;
-  for (std::uint64_t k = 0; k < streams; ++k, entry += entry_bytes) {
+  for (std::uint64_t k = 0; k < streams && points.size() < wanted; ++k, entry += entry_bytes) {
     const std::uint64_t size = integer(entry), packed = integer(entry + 4);
     file.require(packed <= file.size() - packed_at, "is cut: its compressed points are longer than the file");
     file.require(size <= packed * most_compression,
@@ -145,7 +148,8 @@ HeightField read_digital_surf(const std::filesystem::path& path, const ReadOptio
   const auto bytes_each = static_cast<std::uint64_t>(bits / 8);
   std::vector<std::byte> unpacked;
   std::span<const std::byte> data = file.bytes().subspan(begin);
-  if (begins_with(file.bytes(), kCompressed)) data = unpacked = unpack(file, begin, order);
+  if (begins_with(file.bytes(), kCompressed))
+    data = unpacked = unpack(file, begin, order, rows * cols * bytes_each);
   file.require(rows <= data.size() / bytes_each / cols,
                "is cut: its header promises more points than it has");
 

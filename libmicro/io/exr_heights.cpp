@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/bytes.h"
+#include "io/printable.h"
 
 namespace micro {
 namespace {
@@ -26,7 +27,7 @@ std::string height_channel(const std::filesystem::path& path, const Imf::Channel
     if (names.back() == "Y") return "Y";
   }
   if (names.size() == 1) return names.front();
-  throw FileError(path, "has the channels " + all.substr(0, 100) +
+  throw FileError(path, "has the channels " + printable(all, 100) +
                             ": which one is height? (Y, or the only channel, is taken)");
 }
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <fstream>
 #include <random>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "io/bytes.h"
@@ -96,7 +98,7 @@ Bytes mutation(const std::vector<Bytes>& originals, int k) {
   return mutated(originals[static_cast<std::size_t>(k) % originals.size()], random);
 }
 
-class HostileFiles : public ::testing::TestWithParam<const char*> {
+class HostileFiles : public ::testing::TestWithParam<std::string> {
  protected:
   /// Reads the mutations from `first` on in a child process, which tells in a file of its own where it is.
   /// Returns the one that it died of, or kMutations.
@@ -183,15 +185,30 @@ TEST_P(HostileFiles, TheProgramSurvivesThem) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, HostileFiles,
-                         ::testing::Values("zygo-dat", "zygo-asc", "zygo-xyz", "digital-surf", "sdf",
-                                           "wyko-opd", "sensofar-plu", "gsf", "npy", "text", "x3p", "exr",
-                                           "microbrdf-hdf5", "zygo-datx"),
+/// Every format that can be read.
+std::vector<std::string> readable_formats() {
+  std::vector<std::string> names;
+  for (const ScanFormat& format : scan_formats())
+    if (format.listed != ScanFormat::Listed::Never) names.emplace_back(format.name);
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, HostileFiles, ::testing::ValuesIn(readable_formats()),
                          [](const auto& format) {
                            std::string name = format.param;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });
+
+/// fuzz/formats.txt says how long each is fuzzed.
+TEST(FuzzedFormats, AreAllThatCanBeRead) {
+  std::ifstream list(fs::path(MICRO_SOURCE_DIR) / "fuzz" / "formats.txt");
+  std::set<std::string> fuzzed;
+  for (std::string line; std::getline(list, line);)
+    if (!line.starts_with('#')) fuzzed.insert(line.substr(0, line.find(' ')));
+  const auto names = readable_formats();
+  EXPECT_EQ(fuzzed, std::set<std::string>(names.begin(), names.end()));
+}
 
 }  // namespace
 }  // namespace micro

@@ -8,6 +8,7 @@
 
 #include "io/atomic_file.h"
 #include "io/bytes.h"
+#include "io/printable.h"
 
 namespace micro {
 namespace {
@@ -113,7 +114,7 @@ HeightField read_npy(const std::filesystem::path& path, const ReadOptions& optio
   if (type.starts_with('\'') || type.starts_with('"')) type.remove_prefix(1);
   const ReadValues read_values_of_type = type.empty() ? nullptr : reader_of(type.substr(1));
   if (!read_values_of_type || std::string_view("<>|=").find(type.front()) == string_view::npos)
-    throw FileError(path, "its values have the type " + quoted(type) +
+    throw FileError(path, "its values have the type " + in_quotes(type) +
                               "; heights are integers or floats of 32 or 64 bits");
   const string_view fortran = value_of(file, dictionary, "fortran_order", ",} ");
   file.require(fortran == "True" || fortran == "False", "its header does not say the memory order");

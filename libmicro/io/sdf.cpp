@@ -83,7 +83,7 @@ HeightField read_ascii(const FileBytes& file, const ReadOptions& options) {
                "is cut: it has fewer heights than its header promises");
   std::vector<double> z(count);
   for (double& value : z) {
-    if (words.peek() == "BAD") {
+    if (const string_view next = words.peek(); next == "BAD" || next == "bad") {
       words.word();
       value = kNaN;
     } else {
@@ -114,10 +114,9 @@ HeightField read_points(const FileBytes& file, const Header& header, double step
   file.require(bytes <= file.size() - kHeaderBytes, "is cut: its header promises more heights than it has");
   const bool olympus = file.size() == kHeaderBytes + bytes + kOlympusExtra;
   const std::byte* data = file.data() + kHeaderBytes + (olympus ? kOlympusExtra : 0);
-  // Bytes have no value to spare.
-  constexpr bool marked = std::numeric_limits<T>::is_integer && sizeof(T) > 1;
+  constexpr bool marked = sizeof(T) > 1;  // bytes have no value to spare
   constexpr T missing =
-      std::numeric_limits<T>::is_signed ? std::numeric_limits<T>::min() : std::numeric_limits<T>::max();
+      std::numeric_limits<T>::is_signed ? std::numeric_limits<T>::lowest() : std::numeric_limits<T>::max();
   return read_height_field(file.path(), header.rows, header.cols, pitch, [=](Eigen::Index k) {
     const T raw = load<T>(data + k * static_cast<Eigen::Index>(sizeof(T)), std::endian::little);
     return marked && raw == missing ? kNaN : static_cast<double>(raw) * step;

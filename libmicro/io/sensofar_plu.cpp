@@ -1,6 +1,7 @@
 #include "io/sensofar_plu.h"
 
 #include <limits>
+#include <span>
 #include <string_view>
 
 #include "io/bytes.h"
@@ -12,11 +13,12 @@ using std::string_view;
 
 /// Where the fields stand, bytes; all little-endian.
 enum Offset : std::size_t {
+  kSize = 388,      // u32 rows, u32 cols
   kDx = 404,        // f32, µm
   kDy = 408,        // f32, µm
   kKind = 428,      // u32: 1 profile, 3 topography
   kAreaType = 444,  // u32
-  kRows = 500,      // u32
+  kRows = 500,      // u32, once more
   kCols = 504,      // u32
   kHeights = 508,   // f32, µm
 };
@@ -31,15 +33,31 @@ bool has_name(string_view text, string_view names) {
   return false;
 }
 
+/// A date as asctime and ctime write it.
+bool begins_with_date(std::span<const std::byte> bytes) {
+  constexpr string_view pattern = "Fri Mar 10 16:35:59 2023";
+  const string_view date(reinterpret_cast<const char*>(bytes.data()), pattern.size() + 1);
+  return has_name(date, "SunMonTueWedThuFriSat") && date[3] == ' ' &&
+         has_name(date.substr(4), "JanFebMarAprMayJunJulAugSepOctNovDec") && date[7] == ' ' &&
+         date[13] == ':' && date[16] == ':' && (date.back() == '\0' || date.back() == '\n');
+}
+
+/// A topography whose two statements of its size are one, and which has that many heights: the date before it
+/// may be written in any way.
+bool agrees_with_itself(const FileHead& head) {
+  const auto integer = [&](std::size_t at) {
+    return load<std::uint32_t>(head.bytes.data() + at, std::endian::little);
+  };
+  const std::uint64_t rows = integer(kRows), cols = integer(kCols);
+  return integer(kKind) == kTopography && rows > 0 && cols > 0 && rows == integer(kSize) &&
+         cols == integer(kSize + 4) && rows <= (head.size - kHeights) / sizeof(float) / cols;
+}
+
 }  // namespace
 
 bool is_sensofar_plu(const FileHead& head) {
-  constexpr string_view pattern = "Fri Mar 10 16:35:59 2023";
   if (head.bytes.size() < kHeights) return false;
-  const string_view date(reinterpret_cast<const char*>(head.bytes.data()), pattern.size() + 1);
-  return has_name(date, "SunMonTueWedThuFriSat") && date[3] == ' ' &&
-         has_name(date.substr(4), "JanFebMarAprMayJunJulAugSepOctNovDec") && date[7] == ' ' &&
-         date[13] == ':' && date[16] == ':' && date.back() == '\0';
+  return begins_with_date(head.bytes) || agrees_with_itself(head);
 }
 
 HeightField read_sensofar_plu(const std::filesystem::path& path, const ReadOptions& options) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "io/bytes.h"
+#include "io/printable.h"
 
 namespace micro {
 namespace {
@@ -115,8 +116,7 @@ HeightField read_text_matrix(const std::filesystem::path& path, const ReadOption
       const auto value = parse_cell(cell);
       if (!value)
         throw FileError(path,
-                        "line " + std::to_string(number) + ": \"" + std::string(trimmed(cell).substr(0, 20)) +
-                            "\" is no number" +
+                        "line " + std::to_string(number) + ": " + in_quotes(trimmed(cell)) + " is no number" +
                             (cell.find(',') != string_view::npos ? " (write decimals with a point)" : ""));
       z.push_back(*value);
       return true;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "io/bytes.h"
+#include "io/printable.h"
 
 namespace micro {
 
@@ -59,8 +60,7 @@ class Words {
     if (!parse_number(text, value)) {
       file_.require(!text.empty() && text != closing_,
                     "is cut: it has fewer heights than its header promises");
-      throw FileError(file_.path(),
-                      "\"" + std::string(text.substr(0, 20)) + "\" stands where a number should");
+      throw FileError(file_.path(), in_quotes(text) + " stands where a number should");
     }
     return value;
   }

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "io/bytes.h"
+#include "io/printable.h"
 
 namespace micro {
 namespace {
@@ -50,7 +51,7 @@ std::map<string_view, Block> read_directory(const FileBytes& file) {
     if (size <= 0) continue;
     const Block block = {number<std::int16_t>(file, record + 16), begin, static_cast<std::uint64_t>(size)};
     if (block.size > file.size() - begin)
-      throw FileError(file.path(), "is cut: its block " + quoted(name) + " is longer than the file");
+      throw FileError(file.path(), "is cut: its block " + in_quotes(name) + " is longer than the file");
     blocks.emplace(name, block);
     begin += block.size;
   }
@@ -88,12 +89,13 @@ const Block& height_block(const FileBytes& file, const std::map<string_view, Blo
 /// Columns one after the other, each from the bottom upwards; raw ≥ missing is missing.
 template <typename T>
 HeightField read_points(const FileBytes& file, std::uint64_t data, std::uint64_t rows, std::uint64_t cols,
-                        Pitch pitch, double step, T missing) {
+                        Pitch pitch, double step, double missing) {
   return read_height_field(file.path(), rows, cols, pitch, [=, &file](Eigen::Index k) {
     const auto point = static_cast<std::uint64_t>(k);
     const std::uint64_t row = point / cols, col = point % cols;
     const T raw = number<T>(file, data + (col * rows + (rows - 1 - row)) * sizeof(T));
-    return raw < missing ? static_cast<double>(raw) * step : std::numeric_limits<double>::quiet_NaN();
+    const auto value = static_cast<double>(raw);
+    return value < missing ? value * step : std::numeric_limits<double>::quiet_NaN();
   });
 }
 
@@ -115,7 +117,8 @@ HeightField read_wyko_opd(const std::filesystem::path& path, const ReadOptions& 
   const std::uint64_t rows = number<std::uint16_t>(file, block.begin + 2);
   const std::uint64_t bytes_each = number<std::uint16_t>(file, block.begin + 4);
   file.require(rows > 0 && cols > 0, "holds no heights");
-  file.require(bytes_each == 2 || bytes_each == 4, "its heights have neither 2 nor 4 bytes");
+  file.require(bytes_each == 1 || bytes_each == 2 || bytes_each == 4,
+               "its heights have neither 1, 2 nor 4 bytes");
   file.require(rows * cols * bytes_each <= block.size - array_header,
                "is cut: its block of heights is shorter than its rows and columns");
 
@@ -124,8 +127,10 @@ HeightField read_wyko_opd(const std::filesystem::path& path, const ReadOptions& 
   const double dx = numbers.get("Pixel_size", 0) * 1e3;  // mm to µm
   const Pitch pitch = file_pitch(path, {dx, dx * numbers.get("Aspect", 1)}, options);
   const std::uint64_t data = block.begin + array_header;
+  constexpr double never = std::numeric_limits<double>::infinity();  // bytes have no value to spare
+  if (bytes_each == 1) return read_points<std::uint8_t>(file, data, rows, cols, pitch, step, never);
   if (bytes_each == 2) return read_points<std::int16_t>(file, data, rows, cols, pitch, step, 32766);
-  return read_points(file, data, rows, cols, pitch, step, 1e38F);
+  return read_points<float>(file, data, rows, cols, pitch, step, static_cast<double>(1e38F));
 }
 
 }  // namespace micro

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/md5.h"
+#include "io/printable.h"
 #include "io/words.h"
 #include "io/zip_archive.h"
 
@@ -87,8 +88,7 @@ class X3p {
   double number(const pugi::xml_node& node, double otherwise) const {
     double value = otherwise;
     if (const string_view text = text_of(node); !text.empty() && !parse_number(text, value))
-      throw FileError(path_, "its " + std::string(node.name()) + " \"" + std::string(text.substr(0, 20)) +
-                                 "\" is no number");
+      throw FileError(path_, "its " + std::string(node.name()) + " " + in_quotes(text) + " is no number");
     return value;
   }
   std::uint64_t extent(string_view name) const {
@@ -105,7 +105,7 @@ class X3p {
     while (name.starts_with("./") || name.starts_with('/'))
       name.erase(0, name.find('/') + 1);
     auto bytes = archive_.read(folder_ + name, most);
-    if (!bytes) throw FileError(path_, "its main.xml names " + name + ", which is missing");
+    if (!bytes) throw FileError(path_, "its main.xml names " + in_quotes(name) + ", which is missing");
     return *std::move(bytes);
   }
   /// Holds bytes against the MD5 that is stated for them, if one is. Throws FileError if it is another.
@@ -113,7 +113,7 @@ class X3p {
     if (stated.empty()) return;
     if (const std::string md5 = md5_of(bytes); !md5.empty() && !same_digits(md5, stated))
       throw FileError(path_, "the MD5 checksum of its " + std::string(what) + " is " + md5 + ", but " +
-                                 std::string(stated.substr(0, 32)) +
+                                 in_quotes(stated) +
                                  " is stated: it was damaged or changed after it was written");
   }
   /// Holds main.xml against the file of its checksum, if there is one.
@@ -167,8 +167,7 @@ Type type_of(const std::filesystem::path& path, string_view name) {
   if (name == "L") return {4, read_points<std::int32_t>};
   if (name == "F") return {4, read_points<float>};
   if (name == "D") return {8, read_points<double>};
-  throw FileError(
-      path, "its data type \"" + std::string(name.substr(0, 20)) + "\" is unknown (I, L, F and D are known)");
+  throw FileError(path, "its data type " + in_quotes(name) + " is unknown (I, L, F and D are known)");
 }
 
 /// The scale of the heights. Floats are metres as they stand, so an increment beside them would contradict.

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/printable.h"
 
 namespace micro {
 namespace {
@@ -47,7 +48,9 @@ std::optional<std::vector<std::byte>> ZipArchive::read(const std::string& name, 
   const zip_int64_t located = zip_name_locate(archive_, name.c_str(), ZIP_FL_NOCASE);
   if (located < 0) return std::nullopt;
   const auto index = static_cast<zip_uint64_t>(located);
-  const auto fail = [&](const std::string& fact) { throw FileError(path_, "its " + name + " " + fact); };
+  const auto fail = [&](const std::string& fact) {
+    throw FileError(path_, "its " + in_quotes(name) + " " + fact);
+  };
   zip_stat_t stat;
   zip_stat_init(&stat);
   if (zip_stat_index(archive_, index, 0, &stat) != 0 || (stat.valid & ZIP_STAT_SIZE) == 0 ||

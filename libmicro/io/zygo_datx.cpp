@@ -11,6 +11,7 @@
 
 #include "io/bytes.h"
 #include "io/hdf5_reader.h"
+#include "io/printable.h"
 
 namespace micro {
 namespace {
@@ -81,7 +82,7 @@ double axis_pitch(const std::filesystem::path& path, const Hdf5Reader& file, con
   double unit = 1e6;
   if (const auto* name = find<std::string>(records.front(), "SubUnit")) {
     const auto known = micrometres(*name);
-    if (!known) throw FileError(path, "its lateral unit \"" + *name + "\" is unknown");
+    if (!known) throw FileError(path, "its lateral unit " + in_quotes(*name) + " is unknown");
     unit = *known;
   }
   return (*parameters)[1] * unit;
@@ -91,7 +92,7 @@ double axis_pitch(const std::filesystem::path& path, const Hdf5Reader& file, con
 double height_unit(const std::filesystem::path& path, const Hdf5Reader& file, const std::string& surface) {
   const std::string unit = file.text_attribute(surface, "Unit");
   if (const auto known = micrometres(unit)) return *known;
-  if (unit != "Fringes") throw FileError(path, "its height unit \"" + unit + "\" is unknown");
+  if (unit != "Fringes") throw FileError(path, "its height unit " + in_quotes(unit) + " is unknown");
   const auto factor = [&](const char* name) {
     const double value = file.number_attribute(surface, name);
     if (!(value > 0 && std::isfinite(value)))
