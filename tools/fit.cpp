@@ -33,21 +33,14 @@ nlohmann::json to_json(const NdfFit& ndf_fit) {
       row.push_back(number(fit.covariance(a, b)));
     covariance.push_back(row);
   }
-  return {{"method", ndf_fit.method},
-          {"model", name_of(fit.model)},
-          {"alpha_x", number(p.alpha_x)},
-          {"alpha_y", number(p.alpha_y)},
-          {"theta_x", number(p.theta_x)},
-          {"theta_y", number(p.theta_y)},
-          {"theta_z", number(p.theta_z)},
-          {"covariance", covariance},
-          {"rel_rms", number(fit.rel_rms)},
-          {"status", name_of(fit.status)},
-          {"undetermined", fit.undetermined},
-          {"misfit", fit.misfit},
-          {"nodes_across", number(fit.nodes_across)},
-          {"iterations", fit.iterations},
-          {"seconds", ndf_fit.seconds}};
+  return {{"method", ndf_fit.method},       {"model", name_of(fit.model)},
+          {"alpha_x", number(p.alpha_x)},   {"alpha_y", number(p.alpha_y)},
+          {"theta_x", number(p.theta_x)},   {"theta_y", number(p.theta_y)},
+          {"theta_z", number(p.theta_z)},   {"covariance", covariance},
+          {"rel_rms", number(fit.rel_rms)}, {"overlap", number(fit.overlap)},
+          {"status", name_of(fit.status)},  {"undetermined", fit.undetermined},
+          {"misfit", fit.misfit},           {"nodes_across", number(fit.nodes_across)},
+          {"iterations", fit.iterations},   {"seconds", ndf_fit.seconds}};
 }
 
 void print(const NdfFits& fits, const CommonOptions& common, const fs::path& output,
@@ -72,7 +65,7 @@ void print(const NdfFits& fits, const CommonOptions& common, const fs::path& out
                 ndf_fit.method.c_str(), std::string(name_of(fit.model)).c_str(), p.alpha_x, p.alpha_y,
                 p.theta_x, p.theta_y, p.theta_z, fit.rel_rms, std::string(name_of(fit.status)).c_str());
     if (!fit.undetermined.empty()) std::printf("  not determined: %s\n", fit.undetermined.c_str());
-    if (!fit.misfit.empty()) std::printf("  no distribution: %s\n", fit.misfit.c_str());
+    if (!fit.misfit.empty()) std::printf("  misfit: %s\n", fit.misfit.c_str());
   }
   for (const fs::path& figure : figures)
     std::printf("%s\n", figure.c_str());

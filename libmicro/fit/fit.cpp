@@ -8,11 +8,11 @@
 #include <numbers>
 #include <optional>
 #include <sstream>
-#include <utility>
 
 #include "core/error.h"
 #include "distribution/scatter.h"
 #include "fit/identify.h"
+#include "fit/overlap.h"
 
 namespace micro {
 namespace {
@@ -22,6 +22,17 @@ constexpr std::size_t kFewNodes = 1024, kManyNodes = 16384;
 constexpr Eigen::Index kSmall = 257;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
+/// Steps on a few nodes are cheap; on a large table what needs more is no lobe.
+constexpr int kMostSteps = 100, kMostOnLarge = 30;
+constexpr double kResolved = 2;  // nodes across
+
+/// When a descent has converged: when the next step would move nothing by more than `tolerance` widths, or
+/// lower the cost by no more than `least_gain` of it.
+struct Accuracy {
+  double tolerance, least_gain = 1e-9;
+  int most = kMostSteps;
+};
+
 /// Where a descent ended.
 struct Descent {
   SlopeFrame frame;
@@ -30,53 +41,53 @@ struct Descent {
   bool converged = false;
 };
 
-/// Where a model does not fit, Gauss–Newton's steps shrink by a constant factor ρ in one direction; the sum
-/// of all that are still to come is step/(1 − ρ) [Aitken26]. 1 where two steps do not show that.
-double extrapolation(const Vector5& step, const Vector5& last) {
-  constexpr double kParallel = 0.9, kMostShrinking = 0.8;
-  const double along = step.dot(last), rho = along / last.squaredNorm();
-  return along >= kParallel * step.norm() * last.norm() && rho < kMostShrinking ? 1 / (1 - rho) : 1;
+/// What the Gram matrix lacks of the cost's curvature where a model does not fit, from the change of the
+/// gradient over a step: the least change of S with (gram + S)·step = drop, sized [Dennis81].
+/// `drop` is the gradient before less that after, `gram` that after.
+Matrix5 with_secant(const Matrix5& secant, const Matrix5& gram, const Vector5& step, const Vector5& drop) {
+  constexpr double kLongest = 0.5;  // widths; the frames at both ends of a longer step differ too much
+  const double along = drop.dot(step);
+  if (!(along > 0) || step.cwiseAbs().maxCoeff() > kLongest) return Matrix5::Zero();
+  const Vector5 lacking = drop - gram * step, had = secant * step;
+  const double size = std::abs(step.dot(had));
+  const double factor = size > 0 ? std::min(1., std::abs(step.dot(lacking)) / size) : 1;
+  const Vector5 change = lacking - factor * had;
+  const Matrix5 both = change * drop.transpose();
+  return factor * secant + (both + both.transpose()) / along -
+         change.dot(step) / (along * along) * drop * drop.transpose();
 }
 
-/// What the sums are increased by on their diagonal, for the solution to exist.
-double least_damping(const NormalEquations& equations) {
-  return 1e-14 * equations.gram.diagonal().maxCoeff();
-}
-
-/// Gauss–Newton's own step. A damped one is small far from any minimum, too.
-Vector5 undamped_step(const NormalEquations& equations) {
-  Matrix5 gram = equations.gram;
-  gram.diagonal().array() += least_damping(equations);
-  return gram.ldlt().solve(equations.gradient);
-}
-
-/// Levenberg–Marquardt [Marquardt63] in the frame's own coordinates; `equations_at` gives the sums for a
-/// frame. It has converged when the next step would move nothing by more than `tolerance` widths, or lower
-/// the cost by no more than `least_gain` of it; that step is taken unseen.
+/// Levenberg–Marquardt [Marquardt63] in the frame's own coordinates with the curvature that the Gram matrix
+/// lacks; `equations_at` gives the sums for a frame. The step that is found small enough is taken unseen.
 template <typename EquationsAt>
-Descent descend(const SlopeFrame& start, double damping, double tolerance, EquationsAt&& equations_at,
-                double least_gain = 1e-9) {
-  constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12;
-  constexpr double kExtrapolatedGain = 100;  // an extrapolated step leaves less than a hundredth of it
+Descent descend(const SlopeFrame& start, double damping, const Accuracy& accuracy,
+                EquationsAt&& equations_at) {
+  constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12, kSingular = 1e-14;
   constexpr double kHardlyDamped = 1e-2;
-  constexpr int kMost = 100;
   Descent descent{start, equations_at(start)};
-  Vector5 last = Vector5::Zero();  // the step before, unless it was extrapolated
-  while (descent.iterations < kMost) {
+  Matrix5 secant = Matrix5::Zero(), trusted = secant;
+  while (descent.iterations < accuracy.most) {
     const NormalEquations& now = descent.equations;
-    Matrix5 damped = now.gram;
-    damped.diagonal() += (damping * now.gram.diagonal()).cwiseMax(least_damping(now));
-    Vector5 step = damped.ldlt().solve(now.gradient);
+    const Vector5 diagonal = now.gram.diagonal();
+    const auto step_of = [&](double damped) -> Vector5 {
+      Matrix5 curvature = now.gram + trusted;
+      const Vector5 added = (damped * diagonal).cwiseMax(kSingular * diagonal.maxCoeff());
+      curvature.diagonal() += added;
+      const Eigen::LDLT<Matrix5> solver(curvature);
+      if (solver.isPositive() && solver.vectorD().minCoeff() > 0) return solver.solve(now.gradient);
+      curvature = now.gram;
+      curvature.diagonal() += added;
+      return curvature.ldlt().solve(now.gradient);
+    };
+    Vector5 step = step_of(damping);
     if (!step.allFinite()) break;
-    const Vector5 whole = damping < kHardlyDamped ? step : undamped_step(now);
-    const double length = step.cwiseAbs().maxCoeff();
-    step *= kLongestStep / std::max(length, kLongestStep);
+    // A damped step is small far from any minimum, too.
+    const Vector5 whole = damping < kHardlyDamped ? step : step_of(0);
+    step *= kLongestStep / std::max(step.cwiseAbs().maxCoeff(), kLongestStep);
     // Half of gradient·step is what the model of the cost would still gain.
-    const double factor = last.isZero() ? 1 : extrapolation(step, last);
-    const double enough = (factor > 1 ? kExtrapolatedGain : 1) * least_gain * now.cost;
-    const bool done = whole.cwiseAbs().maxCoeff() <= tolerance || now.gradient.dot(whole) <= enough;
-    const SlopeFrame next = moved(descent.frame, factor * step);
-    last = factor > 1 ? Vector5::Zero() : step;
+    const bool done = whole.cwiseAbs().maxCoeff() <= accuracy.tolerance ||
+                      now.gradient.dot(whole) <= accuracy.least_gain * now.cost;
+    const SlopeFrame next = moved(descent.frame, step);
     ++descent.iterations;
     if (done) {
       if (damping < 1) descent.frame = next;
@@ -84,13 +95,17 @@ Descent descend(const SlopeFrame& start, double damping, double tolerance, Equat
       break;
     }
     const NormalEquations there = equations_at(next);
+    // It is trusted where it foretold the last step's gain as well as the Gram matrix alone would have.
+    const double surprise = there.cost - now.cost + step.dot(2 * now.gradient - now.gram * step);
+    const bool foretold = std::abs(surprise - step.dot(secant * step)) <= std::abs(surprise);
+    secant = with_secant(secant, there.gram, step, now.gradient - there.gradient);
+    trusted = foretold ? secant : Matrix5::Zero();
     if (there.cost <= now.cost) {
       descent.frame = next;
       descent.equations = there;
       damping = std::max(damping / 10, kLeastDamping);
     } else {
       damping = std::min(damping * 8, kMostDamping);
-      last.setZero();
     }
   }
   return descent;
@@ -118,15 +133,16 @@ NodeSpan span_of(const TableNodes& nodes) {
 /// The best descent on the core's nodes. The second start is for tables that the model fits badly: several
 /// lobes, a spike on a broad base.
 Descent descend_on_core(const DiskTable& table, FitModel model, Weighting weighting) {
-  constexpr double kDamping = 1e-3, kTolerance = 1e-3, kGood = 0.25;  // the whole table takes it from there
+  constexpr double kDamping = 1e-3, kGood = 0.25;
+  constexpr Accuracy kRough{.tolerance = 1e-3};  // the whole table takes it from there
   const TableNodes core = core_nodes(table, table.grid.size < kSmall ? kFewNodes : kManyNodes);
   const auto equations_at = [&](const SlopeFrame& frame) {
     return normal_equations(span_of(core), frame, model, weighting);
   };
   const SlopeFrame scatter = slope_scatter(core, table.grid);
-  Descent best = descend(scatter, kDamping, kTolerance, equations_at);
+  Descent best = descend(scatter, kDamping, kRough, equations_at);
   if (best.equations.cost <= kGood * kGood * best.equations.data) return best;
-  Descent other = descend(peak_start(core, scatter), kDamping, kTolerance, equations_at);
+  Descent other = descend(peak_start(core, scatter), kDamping, kRough, equations_at);
   other.iterations += best.iterations;
   best.iterations = other.iterations;
   return other.equations.cost < best.equations.cost ? other : best;
@@ -150,15 +166,17 @@ double nodes_across(const SlopeFrame& frame, FitModel model, const DiskGrid& gri
 }
 
 /// The core weighs nodes otherwise than the table does, which moves the minimum of a model that does not fit.
-/// A sixteenth of a large table's nodes goes there first, where the lobe is wide enough for it.
+/// A part of a large table's nodes goes there first: a sixteenth where the lobe is wide enough for it, or
+/// where the tails decide; a quarter where it is half as wide.
 Descent descend_on_strides(const Descent& start, const DiskTable& table, FitModel model,
                            Weighting weighting) {
-  constexpr Eigen::Index kStride = 4;
-  constexpr double kNodesAcross = 16, kDamping = 1e-6, kTolerance = 1e-3;
-  if (table.grid.size < kSmall || !(nodes_across(start.frame, model, table.grid) >= kNodesAcross))
-    return start;
-  const TableNodes strided = strided_nodes(table, kStride);
-  Descent end = descend(start.frame, kDamping, kTolerance, [&](const SlopeFrame& frame) {
+  constexpr double kNodesAcross = 4, kDamping = 1e-6;  // nodes left across the lobe
+  constexpr Accuracy kFair{.tolerance = 1e-4};
+  const double across = nodes_across(start.frame, model, table.grid) / kNodesAcross;
+  const Eigen::Index stride = weighting == Weighting::Log || across >= 4 ? 4 : across >= 2 ? 2 : 1;
+  if (table.grid.size < kSmall || stride == 1) return start;
+  const TableNodes strided = strided_nodes(table, stride);
+  Descent end = descend(start.frame, kDamping, kFair, [&](const SlopeFrame& frame) {
     return normal_equations(span_of(strided), frame, model, weighting);
   });
   end.iterations += start.iterations;
@@ -206,25 +224,43 @@ std::optional<Fit> empty_fit(const DiskTable& table, FitModel model) {
   result.step_covariance.setConstant(kNaN);
   result.parameters = {kNaN, kNaN, kNaN, kNaN, kNaN};
   result.frame = {{kNaN, kNaN}, kNaN, kNaN, kNaN};
-  result.rel_rms = result.nodes_across = kNaN;
+  result.rel_rms = result.overlap = result.nodes_across = kNaN;
   result.undetermined = "the table holds nothing";
   return result;
 }
 
+/// What is wrong with a lobe or its table, in words. A distribution holds the energy 1 at most; a lobe
+/// between the nodes of a table may seem to hold more.
+std::string misfit_of(const Fit& fit, const DiskTable& table) {
+  constexpr double kMostEnergy = 2;  // errors of estimated tables stay far below
+  constexpr double kLeastOverlap = 0.5;
+  const double energy = table.density.sum() * table.grid.spacing() * table.grid.spacing();
+  std::ostringstream text;
+  text << std::setprecision(3);
+  const bool elsewhere = !(fit.overlap >= kLeastOverlap);
+  if (energy > kMostEnergy && (elsewhere || !(fit.nodes_across < kResolved)))
+    text << "the table holds " << energy
+         << " times the energy of a distribution: its densities are not per steradian";
+  else if (elsewhere)
+    text << "of the energy only the part " << fit.overlap << " is where the lobe has it";
+  return text.str();
+}
+
 /// The fit at the end of a descent on the whole table.
-Fit conclude(const Descent& end, TableEquations& equations, const DiskGrid& grid, FitModel model,
+Fit conclude(const Descent& end, TableEquations& equations, const DiskTable& table, FitModel model,
              Weighting weighting) {
-  constexpr double kResolved = 2;
   Fit result;
   result.model = model;
   result.covariance.setConstant(kNaN);
   result.step_covariance.setConstant(kNaN);
   result.frame = end.frame;
   result.iterations = end.iterations;
-  result.nodes_across = nodes_across(end.frame, model, grid);
+  result.nodes_across = nodes_across(end.frame, model, table.grid);
   const NormalEquations linear =
       weighting == Weighting::SolidAngle ? end.equations : equations(end.frame, model, Weighting::SolidAngle);
   result.rel_rms = std::sqrt(linear.cost / linear.data);
+  result.overlap = overlap(table, end.frame, model, result.nodes_across);
+  result.misfit = misfit_of(result, table);
 
   const Identified identified = identify(end.equations.gram);
   if (!identified.free.empty()) {
@@ -241,26 +277,13 @@ Fit conclude(const Descent& end, TableEquations& equations, const DiskGrid& grid
   result.parameters = canonical.parameters;
   result.covariance = canonical.covariance;
   result.undetermined = canonical.round ? "theta_z: the lobe is round" : "";
-  const bool off =
-      weighting == Weighting::SolidAngle ? !(result.rel_rms < 1) : !std::isfinite(result.rel_rms);
+  const std::string barely = barely_known(result.step_covariance);
+  result.undetermined += (barely.empty() || result.undetermined.empty() ? "" : "; ") + barely;
   result.status = !end.converged                    ? FitStatus::NotConverged
-                  : off                             ? FitStatus::Misfit
+                  : !result.misfit.empty()          ? FitStatus::Misfit
                   : result.nodes_across < kResolved ? FitStatus::Unresolved
                                                     : FitStatus::Converged;
   return result;
-}
-
-/// A distribution holds the energy 1 at most. A lobe between the nodes of a table may seem to hold more.
-Fit with_energy_checked(Fit found, const DiskTable& table) {
-  constexpr double kMost = 2;  // errors of estimated tables stay far below
-  const double energy = table.density.sum() * table.grid.spacing() * table.grid.spacing();
-  if (found.status == FitStatus::Unresolved || energy <= kMost) return found;
-  std::ostringstream text;
-  text << std::setprecision(3) << "the table holds " << energy
-       << " times the energy of a distribution: its densities are not per steradian";
-  found.misfit = text.str();
-  if (found.status == FitStatus::Converged) found.status = FitStatus::Misfit;
-  return found;
 }
 
 }  // namespace
@@ -271,10 +294,12 @@ Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
   const Descent start = descend_on_strides(descend_on_core(table, model, weighting), table, model, weighting);
   TableEquations equations(table);
   const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
-  Fit result = conclude(descend(start.frame, kDamping, kTolerance, equations_at), equations, table.grid,
-                        model, weighting);
+  const Accuracy accuracy{.tolerance = kTolerance,
+                          .most = table.grid.size < kSmall ? kMostSteps : kMostOnLarge};
+  Fit result =
+      conclude(descend(start.frame, kDamping, accuracy, equations_at), equations, table, model, weighting);
   result.iterations += start.iterations;
-  return with_energy_checked(std::move(result), table);
+  return result;
 }
 
 Fit fit_from(const SlopeFrame& start, double tolerance, const DiskTable& table, FitModel model,
@@ -283,8 +308,8 @@ Fit fit_from(const SlopeFrame& start, double tolerance, const DiskTable& table, 
   if (auto empty = empty_fit(table, model)) return *empty;
   TableEquations equations(table);
   const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
-  return conclude(descend(start, kDamping, tolerance, equations_at, tolerance * tolerance), equations,
-                  table.grid, model, weighting);
+  const Accuracy accuracy{.tolerance = tolerance, .least_gain = tolerance * tolerance};
+  return conclude(descend(start, kDamping, accuracy, equations_at), equations, table, model, weighting);
 }
 
 }  // namespace micro

@@ -6,6 +6,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/error.h"
 #include "core/random.h"
@@ -233,6 +234,21 @@ TEST(Fit, NoisyRandomEllipsoidsAreRecoveredWithinTheirCovariance) {
   EXPECT_LE(beyond_99, 0.01 * tried + kSigmas * std::sqrt(0.01 * tried) + kFewNodes * tried);
 }
 
+// Of a needle a hundred times as long as its table hardly anything tells how it is turned: errors are large,
+// far from linear, and said to be so. What is across it is known as well as ever.
+TEST(Fit, SaysWhenANeedleIsLongerThanItsTableTells) {
+  const SlopeFrame frame = slope_frame({1, 0.0005, 0, 0, 0.6});
+  for (const auto& [noise, told] : {std::pair(0.0, false), {0.02, true}}) {
+    DiskTable table = tabulate(Ellipsoid(frame), {97, 0.005});
+    const double peak = table.density.maxCoeff();
+    for (Eigen::Index k = 0; k < table.density.size(); ++k)
+      table.density.data()[k] += noise * peak * random_normal(43, 0, static_cast<std::uint64_t>(k))[0];
+    const Fit found = fit(table, FitModel::EllipsoidNdf);
+    EXPECT_EQ(found.undetermined.find("first order") != std::string::npos, told) << found.undetermined;
+    EXPECT_NEAR(found.nodes_across, 6.2, 0.2);
+  }
+}
+
 TEST(Fit, SaysWhenTheTableIsNoDistribution) {
   DiskTable counts = tabulate(ggx(0.2), {65, 1});
   counts.density *= 10;
@@ -264,6 +280,58 @@ TEST(Fit, AMinimumWorseThanNothingIsNoSuccess) {
     for (const FitModel model : {FitModel::EllipsoidNdf, FitModel::BeckmannNdf}) {
       const Fit found = fit(table, model);
       EXPECT_NE(found.status, FitStatus::Converged) << found.rel_rms;
+    }
+}
+
+// The far tails that logarithms weigh are not those of the other model: no lobe of it is near.
+TEST(Fit, LogarithmsOfTheOtherModelAreAMisfit) {
+  const SlopeFrame frame = slope_frame({0.3, 0.1, 0.1, -0.05, 0.5});
+  for (const DiskGrid& grid : {DiskGrid{129, 1}, {257, 0.95}}) {
+    const Fit wide = fit(tabulate(Ellipsoid(frame), grid), FitModel::BeckmannNdf, Weighting::Log),
+              thin = fit(tabulate(Beckmann(frame), grid), FitModel::EllipsoidNdf, Weighting::Log);
+    for (const Fit& found : {wide, thin}) {
+      EXPECT_NE(found.status, FitStatus::Converged) << found.rel_rms;
+      EXPECT_LE(found.overlap, 0.3);
+      EXPECT_FALSE(found.misfit.empty());
+    }
+  }
+}
+
+// What is far from the model node by node and true to it on the whole: the speckle of one patch, and the
+// counts of a thousand normals in 50,000 nodes. The lobe is found to what they allow.
+TEST(Fit, NoiseIsNoMisfit) {
+  const SlopeFrame frame = slope_frame({0.3, 0.1, 0.1, -0.05, 0.5});
+  const DiskTable exact = tabulate(Ellipsoid(frame), {257, 1});
+  DiskTable speckle = exact, counts = make_disk_table(exact.grid);
+  for (Eigen::Index k = 0; k < speckle.density.size(); ++k)
+    speckle.density.data()[k] *= -std::log1p(-random_uniform(41, 0, static_cast<std::uint64_t>(k))[0]);
+  const Ellipsoid lobe(frame);
+  constexpr int kNormals = 1000;
+  const double spacing = counts.grid.spacing();
+  for (std::uint64_t k = 0; k < kNormals; ++k) {
+    const auto [a, b] = random_uniform(42, 0, k);
+    const Vec3 m = lobe.sample({a, b});
+    const auto node = [&](double x) { return std::lround(x / spacing + counts.grid.centre()); };
+    counts.density(node(m.y()), node(m.x())) += 1 / (kNormals * spacing * spacing);
+  }
+  for (const auto& [table, error] : {std::pair(&speckle, 0.1), {&counts, 0.5}}) {
+    const Fit found = fit(*table, FitModel::EllipsoidNdf);
+    EXPECT_EQ(found.status, FitStatus::Converged) << found.misfit;
+    EXPECT_GE(found.rel_rms, 0.69);
+    EXPECT_GE(found.overlap, 0.85);
+    EXPECT_LE(step_between(found.frame, frame).cwiseAbs().maxCoeff(), error);
+  }
+}
+
+// A part of the energy, and a lobe beside half of it: nearer to nothing than to a lobe.
+TEST(Fit, SaysWhenHalfOfTheEnergyIsElsewhere) {
+  DiskTable table = tabulate(ggx(0.2), {129, 1});
+  table.density *= 0.3;
+  for (const FitModel model : {FitModel::EllipsoidNdf, FitModel::BeckmannNdf})
+    for (const Weighting weighting : {Weighting::SolidAngle, Weighting::Log}) {
+      const Fit found = fit(table, model, weighting);
+      EXPECT_EQ(found.status, FitStatus::Misfit);
+      EXPECT_LE(found.overlap, 0.31);
     }
 }
 

@@ -1,6 +1,7 @@
 #include "fit/identify.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iomanip>
@@ -62,6 +63,17 @@ Identified identify(const Matrix5& gram) {
   result.inverse =
       solver.eigenvectors() * values.cwiseInverse().asDiagonal() * solver.eigenvectors().transpose();
   return result;
+}
+
+std::string barely_known(const Matrix5& step_covariance) {
+  constexpr double kLinear = 0.1;
+  const Eigen::SelfAdjointEigenSolver<Matrix5> solver(step_covariance);
+  const double error = std::sqrt(std::max(0., solver.eigenvalues()[4]));
+  if (error <= kLinear) return "";
+  std::ostringstream text;
+  text << in_words(solver.eigenvectors().col(4)) << " only to " << std::setprecision(2) << error
+       << " widths: errors hold to first order";
+  return text.str();
 }
 
 Canonical canonical_with_covariance(const SlopeFrame& frame, const Matrix5& covariance) {

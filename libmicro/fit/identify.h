@@ -16,6 +16,11 @@ struct Identified {
 /// conditioned, all but vanishes along it.
 Identified identify(const Matrix5& gram);
 
+/// The combination of coordinates that a covariance of steps knows worst, in words, if that is to more than a
+/// tenth of a width: then what is left out of the first order, such as the turn of a needle times the unknown
+/// of its centre along it, may exceed the other errors. Empty otherwise.
+std::string barely_known(const Matrix5& step_covariance);
+
 /// Canonical parameters of a frame that is known up to a covariance.
 struct Canonical {
   EllipsoidParameters parameters;

@@ -44,6 +44,13 @@ TEST(Identify, CovarianceOfUntiltedLobes) {
   EXPECT_NEAR(std::sqrt(canonical.covariance(2, 2)), 0.1 * 0.02 / (1 - 0.01), 1e-6);
 }
 
+TEST(Identify, NamesWhatIsBarelyKnown) {
+  Matrix5 steps = 1e-4 * Matrix5::Identity();
+  EXPECT_TRUE(barely_known(steps).empty());
+  steps(3, 3) = 0.09;
+  EXPECT_NE(barely_known(steps).find("1 L_21 only to 0.3 widths"), std::string::npos) << barely_known(steps);
+}
+
 TEST(Identify, RoundWithinTheErrorHasNoThirdAngle) {
   const SlopeFrame frame = slope_frame({0.21, 0.2, 0, 0, 0.3});
   const Canonical uncertain = canonical_with_covariance(frame, 1e-2 * Matrix5::Identity()),
