@@ -291,6 +291,54 @@ TEST(Beckmann, TailsKeepTheirDigits) {
   }
 }
 
+using Real = long double;
+
+/// Seen from (across, 0, z): ∫(z − v·across)₊·e^{−v²}/√π dv.
+Real gaussian_visible_area(const Real& across, const Real& z) {
+  const Real c = z / across;
+  return across * (std::exp(-c * c) / std::sqrt(std::numbers::pi_v<Real>) + c * std::erfc(-c)) / 2;
+}
+
+// In nineteen digits, down to 0.001° above the horizon. What can be asked for is what the last digit of the
+// terms of v and u' moves.
+TEST(Beckmann, ZooIsRight) {
+  constexpr double kRounding = 1e-11, kDigit = 4 * 2.2e-16;
+  for (const double alpha_x : {1e-5, 1e-3, 1., 1e3})
+    for (const double ratio : {1., 1e-2, 1e-5})
+      for (const double tilt : {0., 0.3, 1.5, kPi / 2 - 1e-5}) {
+        if (alpha_x * ratio < 1e-5) continue;
+        const SlopeFrame f = slope_frame({alpha_x, alpha_x * ratio, tilt, tilt / 3, 0.7});
+        const Beckmann lobe(f);
+        const Real tx = f.centre.x(), ty = f.centre.y();
+        for (const double above : {90., 45., 1., 0.1, 0.01, 0.001})
+          for (std::uint64_t k = 0; k < 3; ++k) {
+            const auto [a, b] = random_uniform(13, 0, k);
+            const Vec3 u = direction((90 - above) * kPi / 180, 2 * kPi * b);
+            const Real x = f.l11 * Real(u.x()) + f.l21 * Real(u.y()), y = f.l22 * Real(u.y()),
+                       across = std::hypot(x, y), z = u.z() - tx * u.x() - ty * u.y();
+            const Real dz = kDigit * Real(u.z() + std::abs(tx * u.x()) + std::abs(ty * u.y())),
+                       da = kDigit * Real(std::abs(f.l11 * u.x()) + std::abs(f.l21 * u.y()) + f.l22);
+            const Real area = gaussian_visible_area(across, z);
+            if (across > da && area > 1e-280) {
+              const Real moves =
+                  gaussian_visible_area(across + da, z + dz) - gaussian_visible_area(across - da, z - dz);
+              const double tolerance = std::max(kRounding, static_cast<double>(std::abs(moves) / area));
+              EXPECT_LE(std::abs(static_cast<double>(lobe.visible_area(u) / area - 1)), tolerance)
+                  << alpha_x << " " << ratio << " " << tilt << " " << above;
+            }
+            const Vec3 m = lobe.sample({a, b});
+            const Real v1 = (m.x() + tx * m.z()) / f.l11, v2 = (m.y() + ty * m.z() - f.l21 * v1) / f.l22,
+                       mz = m.z(), e = (v1 * v1 + v2 * v2) / (mz * mz);
+            const Real d = std::exp(-e) / (std::numbers::pi_v<Real> * f.l11 * f.l22 * mz * mz * mz * mz);
+            const double widths = std::max(1., f.centre.norm()) / std::min({f.l11, f.l22, 1.}) *
+                                  (1 + std::abs(f.l21) / f.l11) / m.z();
+            EXPECT_LE(std::abs(static_cast<double>(lobe.D(m) / d - 1)),
+                      std::max(kRounding, 16 * kDigit * widths))
+                << alpha_x << " " << ratio << " " << tilt;
+          }
+      }
+}
+
 TEST(Beckmann, GaussianSurfaceUnderAWindow) {
   const double sigma_h = 0.3, tau = 3, filter = 1;
   const Beckmann plain = gaussian_surface_normals({sigma_h, tau, tau}),

@@ -112,6 +112,21 @@ struct Tabulated::State {
     return *visible_;
   }
 
+  /// u' in the lobe's own frame: slopes v weigh (up − v·across)₊.
+  struct Seen {
+    Vec2 across;
+    double up;
+  };
+  Seen seen_from(const Vec3& u) const {
+    return {{frame.l11 * u.x() + frame.l21 * u.y(), frame.l22 * u.y()},
+            u.z() - frame.centre.dot(u.head<2>())};
+  }
+  bool hardly_visible(const Vec3& u) {
+    constexpr double kHardly = 1e-4;
+    const auto [across, up] = seen_from(u);
+    return !(masking().visible_area(u) > kHardly * mass * std::hypot(across.x(), across.y(), up));
+  }
+
   double D(const Vec3& m) const {
     const DiskGrid& grid = table.grid;
     const double x = (m.x() + grid.extent) / grid.spacing(), y = (m.y() + grid.extent) / grid.spacing();
@@ -238,12 +253,12 @@ double Tabulated::pdf(const Vec3& m) const {
 }
 
 Vec3 Tabulated::sample_visible(const Vec3& u, const Vec2& xi) const {
-  constexpr std::uint64_t kTries = 20'000;
+  constexpr std::uint64_t kTries = 4'000'000;  // one in 1e5 is accepted at least
+  if (state_->hardly_visible(u)) return sample(xi);
   const SlopeFrame& frame = state_->frame;
   const VisibleSampling& visible = state_->visible();
   const CellSampling& plain = state_->plain();
-  const Vec2 across(frame.l11 * u.x() + frame.l21 * u.y(), frame.l22 * u.y());
-  const double up = u.z() - frame.centre.dot(u.head<2>());
+  const auto [across, up] = state_->seen_from(u);
   const double w0 = std::max(0., up), w1 = std::abs(across.x()), w2 = std::abs(across.y());
   const std::array weights = {w0 * plain.total(), w1 * visible.along1.total(), w2 * visible.along2.total()};
   const double whole = weights[0] + weights[1] + weights[2];
@@ -267,8 +282,8 @@ Vec3 Tabulated::sample_visible(const Vec3& u, const Vec2& xi) const {
 }
 
 double Tabulated::pdf_visible(const Vec3& u, const Vec3& m) const {
-  const double area = visible_area(u);
-  return area > 0 ? D(m) * std::max(0., m.dot(u)) / area : 0;
+  if (state_->hardly_visible(u)) return pdf(m);
+  return D(m) * std::max(0., m.dot(u)) / visible_area(u);
 }
 
 }  // namespace micro

@@ -33,8 +33,9 @@ class Tabulated {
   Vec3 sample(const Vec2& xi) const;
   double pdf(const Vec3& m) const;
 
-  /// Exact by rejection. The first try uses xi itself, the others numbers that follow from it. u_z ≥ 0; where
-  /// less than some 1e-6 of the area is visible, a sample of D m_z instead.
+  /// Exact by rejection. The first try uses xi itself, the others numbers that follow from it. u_z ≥ 0. Where
+  /// visible_area(u) is less than 1e-4 of what |u'| in the lobe's own frame would give, sample and pdf are
+  /// those of D m_z: rejection would take too long, and the interpolated area is not that exact.
   Vec3 sample_visible(const Vec3& u, const Vec2& xi) const;
   double pdf_visible(const Vec3& u, const Vec3& m) const;
 

@@ -242,6 +242,38 @@ TEST(Tabulated, ZooIsFinite) {
   }
 }
 
+// A lobe that leans away: less and less of it is seen, at last nothing. Samples follow pdf_visible all the
+// way, which stays a density.
+TEST(Tabulated, SamplesFollowTheirDensitiesWhereHardlyAnythingIsVisible) {
+  constexpr int kSamples = 1000;
+  constexpr double kSmallestP = 1e-4, kInterpolated = 0.15;
+  const DiskTable table = tabulate(Beckmann(slope_frame({0.1, 0.1, 0, 0.8, 0})), {65, 1});
+  const Tabulated tabulated(table);
+  int fallen_back = 0, seen_in_part = 0;
+  for (const double theta : {0.5, 0.8, 0.9, 0.95, 1.05, 1.2, 1.35})
+    for (const double phi : {0., kPi}) {
+      const Vec3 u = direction(theta, phi);
+      std::vector<double> expected =
+          integrate_cells(table.grid, 6, [&](const Vec3& m) { return tabulated.pdf_visible(u, m) / m.z(); });
+      const double total = sum(expected);
+      EXPECT_NEAR(total, 1, kInterpolated) << theta << " " << phi;
+      for (double& e : expected)
+        e *= kSamples / total;
+      std::vector<double> counts(expected.size(), 0.);
+      for (std::uint64_t k = 0; k < kSamples; ++k) {
+        const auto [a, b] = random_uniform(8, static_cast<std::uint32_t>(100 * theta + phi), k);
+        const Vec3 m = tabulated.sample_visible(u, {a, b});
+        const auto cell = [&](double x) { return static_cast<std::size_t>((x + 1) / table.grid.spacing()); };
+        counts[cell(m.y()) * 64 + cell(m.x())] += 1;
+      }
+      EXPECT_GT(testing::chi_square_p(counts, expected), kSmallestP) << theta << " " << phi;
+      const double share = tabulated.visible_area(u) / tabulated.mass();
+      (share < 1e-5 ? fallen_back : seen_in_part) += share < 0.05 ? 1 : 0;
+    }
+  EXPECT_GE(fallen_back, 2);
+  EXPECT_GE(seen_in_part, 1);
+}
+
 TEST(Tabulated, RefusesWhatIsNoDistribution) {
   DiskTable table = make_disk_table({15, 0.6});
   EXPECT_THROW(Tabulated{table}, InputError);
