@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -14,10 +16,10 @@
 namespace micro {
 namespace {
 
-/// λ_q in µm as a name: "0.555um".
-std::string lambda_name(double lambda_q) {
+/// λ_q in µm: "0.555".
+std::string number(double lambda_q, int digits) {
   std::ostringstream text;
-  text << lambda_q << "um";
+  text << std::setprecision(digits) << lambda_q;
   return text.str();
 }
 
@@ -37,13 +39,14 @@ std::vector<NdfTable> read_method(const Hdf5Reader& file, const std::string& met
     return {{method, std::move(table)}};
   }
   const std::vector<double> lambda_q = file.read<double>(lambdas);
+  const std::vector<std::string> names = slice_names(method, lambda_q);
   const std::vector<float> values = file.read<float>(density);
   std::vector<NdfTable> tables;
   for (std::size_t k = 0; k < lambda_q.size(); ++k) {
     const auto n = static_cast<Eigen::Index>(shape.back());
     table.density =
         Eigen::Map<const Grid<float>>(values.data() + k * shape.back() * shape.back(), n, n).cast<double>();
-    tables.push_back({method + "_" + lambda_name(lambda_q[k]), table, lambda_q[k]});
+    tables.push_back({names[k], table, lambda_q[k]});
   }
   return tables;
 }
@@ -75,6 +78,7 @@ void write_fit(Hdf5Writer& file, const NdfFit& ndf_fit) {
   set("slope_centre", std::span<const double>(centre));
   set("slope_scale", Grid<double>(scale.array()));
   set("rel_rms", fit.rel_rms);
+  set("overlap", fit.overlap);
   set("status", name_of(fit.status));
   set("iterations", fit.iterations);
   set("nodes_across", fit.nodes_across);
@@ -97,6 +101,32 @@ std::optional<std::string> renewed_plan(const Hdf5Reader& file, const Stage& sta
 }
 
 }  // namespace
+
+std::vector<std::string> slice_names(const std::string& method, const std::vector<double>& lambda_q) {
+  constexpr int kUsual = 6;
+  for (const double lambda : lambda_q)
+    if (!(lambda > 0 && std::isfinite(lambda)))
+      throw InputError("its lambda_q_um holds " + number(lambda, kUsual) + ", which is no wavelength");
+  std::vector<double> sorted = lambda_q;
+  std::ranges::sort(sorted);
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  int digits = kUsual;
+  const auto look_the_same = [&](double a, double b) { return number(a, digits) == number(b, digits); };
+  while (std::ranges::adjacent_find(sorted, look_the_same) != sorted.end())
+    ++digits;  // at most the seventeen that tell any two doubles apart
+  std::vector<std::string> names;
+  for (auto lambda = lambda_q.begin(); lambda != lambda_q.end(); ++lambda) {
+    const auto before = std::count(lambda_q.begin(), lambda, *lambda);
+    names.push_back(method + "_" + number(*lambda, digits) + "um" +
+                    (before > 0 ? "_" + std::to_string(before + 1) : ""));
+  }
+  return names;
+}
+
+void NdfFits::add(NdfFits more) {
+  std::ranges::move(more.fits, std::back_inserter(fits));
+  std::ranges::move(more.left_out, std::back_inserter(left_out));
+}
 
 std::string_view name_of(FitModel model) {
   return model == FitModel::EllipsoidNdf ? "ellipsoid" : "beckmann";
@@ -146,18 +176,24 @@ std::vector<NdfTable> read_ndf(const std::filesystem::path& path, const std::str
   }
 }
 
+NdfFits fit_ndf(const NdfTable& table, Weighting weighting) {
+  NdfFits result;
+  try {
+    for (const FitModel model : {FitModel::EllipsoidNdf, FitModel::BeckmannNdf}) {
+      const Stopwatch stopwatch;
+      Fit fitted = fit(table.density, model, weighting);
+      result.fits.push_back({table.method, weighting, std::move(fitted), stopwatch.seconds()});
+    }
+  } catch (const InputError& error) {
+    result.left_out.push_back({table.method, error.what()});
+  }
+  return result;
+}
+
 NdfFits fit_ndfs(const std::vector<NdfTable>& tables, Weighting weighting) {
   NdfFits result;
-  for (const auto& [method, density, lambda_q] : tables)
-    for (const FitModel model : {FitModel::EllipsoidNdf, FitModel::BeckmannNdf})
-      try {
-        const Stopwatch stopwatch;
-        Fit fitted = fit(density, model, weighting);
-        result.fits.push_back({method, weighting, std::move(fitted), stopwatch.seconds()});
-      } catch (const InputError& error) {
-        result.left_out.push_back({method, error.what()});
-        break;  // the other model would say the same
-      }
+  for (const NdfTable& table : tables)
+    result.add(fit_ndf(table, weighting));
   return result;
 }
 

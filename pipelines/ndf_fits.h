@@ -12,8 +12,8 @@
 
 namespace micro {
 
-/// The table of one method, as it stands under /ndf/<method>; one wavelength of a spectrum goes by the name
-/// <method>_<λ_q>um.
+/// The table of one method, as it stands under /ndf/<method>, or one wavelength of a spectrum, see
+/// slice_names().
 struct NdfTable {
   std::string method;
   DiskTable density;                    ///< 1/sr
@@ -37,7 +37,13 @@ struct NotFitted {
 struct NdfFits {
   std::vector<NdfFit> fits;  ///< for each method the ellipsoid, then Beckmann
   std::vector<NotFitted> left_out;
+
+  void add(NdfFits more);
 };
+
+/// Names of a spectrum's wavelengths λ_q (µm), each another: <method>_<λ_q>um, with as many digits as tell
+/// them apart; equal ones are numbered, "…um_2". Throws InputError unless all are positive and finite.
+std::vector<std::string> slice_names(const std::string& method, const std::vector<double>& lambda_q);
 
 /// "ellipsoid" or "beckmann".
 std::string_view name_of(FitModel model);
@@ -57,8 +63,9 @@ NdfTables read_ndf_tables(const std::filesystem::path& path);
 /// methods that are there.
 std::vector<NdfTable> read_ndf(const std::filesystem::path& path, const std::string& method);
 
-/// Fits ellipsoid and Beckmann to each table [Dong15 §8, Fig. 12]. Tables that cannot be fitted are left out,
-/// with the reason.
+/// Fits ellipsoid and Beckmann to a table, or to each [Dong15 §8, Fig. 12]. Tables that cannot be fitted are
+/// left out, with the reason.
+NdfFits fit_ndf(const NdfTable& table, Weighting weighting);
 NdfFits fit_ndfs(const std::vector<NdfTable>& tables, Weighting weighting);
 
 /// What a plan says of them.

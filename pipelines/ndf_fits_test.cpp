@@ -156,6 +156,34 @@ TEST_F(FitFile, FitsEveryWavelengthOfASpectrum) {
   EXPECT_NEAR(file.number_attribute("/fit/kirchhoff_spectrum_0.6um/ellipsoid", "alpha_x"), 0.2, kFloat);
 }
 
+TEST(SliceNames, AreAllDifferent) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(slice_names("k", {0.45, 0.6}), (Names{"k_0.45um", "k_0.6um"}));
+  EXPECT_EQ(slice_names("k", {0.45, 0.6, 0.45, 0.45}),
+            (Names{"k_0.45um", "k_0.6um", "k_0.45um_2", "k_0.45um_3"}));
+  const Names close = slice_names("k", {0.45, std::nextafter(0.45, 1)});
+  EXPECT_NE(close[0], close[1]);
+  for (const double bad : {double{NAN}, double{INFINITY}, 0., -0.5})
+    EXPECT_THROW(slice_names("k", {0.45, bad}), InputError) << bad;
+}
+
+TEST_F(FitFile, LeavesOutASpectrumOfNoWavelengths) {
+  {
+    Hdf5Writer writer(path());
+    writer.write("/ndf/good/density", ellipsoid_.density);
+    writer.set_attribute("/ndf/good", "extent", 0.9);
+    const std::vector<double> cube(27, 1), lambda_q = {0.45, NAN, 0.6};
+    writer.write<double>("/ndf/spectrum/density", cube, {3, 3, 3});
+    writer.write<double>("/ndf/spectrum/lambda_q_um", lambda_q, {3});
+    writer.set_attribute("/ndf/spectrum", "extent", 1.);
+    writer.finish();
+  }
+  const NdfTables tables = read_ndf_tables(path());
+  EXPECT_EQ(tables.tables.size(), 1u);
+  ASSERT_EQ(tables.left_out.size(), 1u);
+  EXPECT_NE(tables.left_out[0].reason.find("nan"), std::string::npos);
+}
+
 TEST_F(FitFile, RefusesAFileWithoutTables) {
   {
     Hdf5Writer writer(path());

@@ -78,5 +78,24 @@ TEST_F(FitCommand, IsAStageOfRun) {
   EXPECT_TRUE(told);
 }
 
+TEST_F(FitCommand, RunFitsEveryWavelengthAsFitDoes) {
+  std::filesystem::create_directory(file("scans"));
+  ASSERT_EQ(run("synth gaussian --rows 60 --cols 60 -o " + file("scans/a.dat")).code, 0);
+  ASSERT_EQ(run("run " + file("scans") + " -o " + file("out") +
+                " --size 65 --lambda-q 0.5..0.6/0.05 --without naive,filtered,pictures")
+                .code,
+            0);
+  ASSERT_EQ(run("fit --no-figure -o " + file("again.h5") + " " + file("out/result.h5")).code, 0);
+  const Hdf5Reader ran(file("out/result.h5")), again(file("again.h5"));
+  constexpr double kFloat = 1e-3;  // widths; the file's tables are float32
+  for (const std::string wavelength : {"0.5um", "0.55um", "0.6um"})
+    for (const std::string model : {"/ellipsoid", "/beckmann"}) {
+      const std::string group = "/fit/kirchhoff_spectrum_" + wavelength + model;
+      ASSERT_TRUE(ran.contains(group)) << group;
+      const double alpha = ran.number_attribute(group, "alpha_x");
+      EXPECT_NEAR(again.number_attribute(group, "alpha_x"), alpha, kFloat * alpha);
+    }
+}
+
 }  // namespace
 }  // namespace micro::tools

@@ -5,6 +5,7 @@
 #include "core/archive.h"
 #include "core/error.h"
 #include "io/hdf5_reader.h"
+#include "pipelines/fits_of_result.h"
 #include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
 #include "pipelines/run_sums.h"
@@ -77,10 +78,7 @@ int run(const Options& options, const CLI::App& app) {
   }
   NdfResult result = ndf_of_shards(std::move(shards).finish());
   if (fitted) {
-    std::vector<NdfTable> tables;
-    for (const NdfOfScans& ndf : result.ndfs)
-      tables.push_back({ndf.method.name, ndf.density});
-    result.fits = fit_ndfs(tables, Weighting::SolidAngle);
+    result.fits = fits_of(result);
     result.plan.push_back(stage_of(*result.fits));
   }
   add_other_stages(result.plan, plan);

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "pipelines/fit_figure.h"
+#include "pipelines/fits_of_result.h"
 #include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
@@ -36,13 +37,6 @@ void remove_outputs(const std::filesystem::path& output) {
   }
 }
 
-std::vector<NdfTable> tables_of(const NdfResult& result) {
-  std::vector<NdfTable> tables;
-  for (const NdfOfScans& ndf : result.ndfs)
-    tables.push_back({ndf.method.name, ndf.density});
-  return tables;
-}
-
 int run(const Options& options, const CLI::App& app) {
   const auto wants = [&](const char* stage) {
     return std::find(options.without.begin(), options.without.end(), stage) == options.without.end();
@@ -70,14 +64,14 @@ int run(const Options& options, const CLI::App& app) {
     if (stage != "statistics") result.plan.push_back({Stage::Outcome::LeftOut, stage, "--without"});
   if (!result.empty() || result.shard) {
     remove_outputs(output);
-    const std::vector<NdfTable> tables = wants("fit") ? tables_of(result) : std::vector<NdfTable>();
     if (wants("fit")) {
-      result.fits = fit_ndfs(tables, Weighting::SolidAngle);
+      result.fits = fits_of(result);
       result.plan.push_back(stage_of(*result.fits));
     }
     if (wants("pictures")) {
-      for (const NdfTable& table : tables)
-        write_fit_figure(output / fit_figure_name(table.method), table, *result.fits);
+      if (result.fits)
+        for (const NdfTable& table : tables_of(result))
+          write_fit_figure(output / fit_figure_name(table.method), table, *result.fits);
       for (const NdfOfScans& ndf : result.ndfs)
         write_ndf_picture(output / ("ndf_" + ndf.method.name + ".exr"), ndf);
       write_contact_sheet(output / "contact_sheet.png", result);
