@@ -23,7 +23,7 @@ constexpr Eigen::Index kSmall = 257;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Steps on a few nodes are cheap; on a large table what needs more is no lobe.
-constexpr int kMostSteps = 100, kMostOnLarge = 30;
+constexpr int kMostSteps = 100, kMostOnLarge = 20;
 constexpr double kResolved = 2;  // nodes across
 
 /// When a descent has converged: when the next step would move nothing by more than `tolerance` widths, or
