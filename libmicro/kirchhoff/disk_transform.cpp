@@ -435,8 +435,7 @@ SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lam
   const Geometry g = make_geometry(lattice, grid, lambda_q, choice);
   const HeightHistogram heights = height_histogram(window.surface);
   const WaveRange q = wave_range(std::sqrt(g.sphere), grid);
-  const double terms =
-      (q.high - q.low) * (heights.high - heights.low) / pi - 0.7 * std::log(choice.basis_tolerance);
+  const double terms = expected_terms(heights, q, choice.basis_tolerance);
   SpectralWork work;
   work.terms = std::max(1, static_cast<int>(std::min(terms, 1e6))) + (lattice.complete() ? 0 : 1);
   work.fft_length = g.length;

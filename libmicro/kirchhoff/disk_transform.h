@@ -60,7 +60,7 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
 void check_work(const HeightField& surface, const QuadratureLattice& lattice, int terms, double lambda_q);
 
 /// What a table will take, without computing it; `bytes` is left out, and `terms` is what the ranges of
-/// heights and of q_z suggest, (q_z range)·(height range)/π + 0.7·ln(1/tolerance).
+/// heights and of q_z suggest (expected_terms).
 SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lambda_q,
                           const SpectralChoice& choice);
 

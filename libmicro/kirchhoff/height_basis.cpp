@@ -45,22 +45,40 @@ Eigen::MatrixXd chebyshev_values(int n, Eigen::Index degree) {
   return t;
 }
 
-/// [n, degree] dT_k/dx = k·U_{k−1} at the same points.
-Eigen::MatrixXd chebyshev_slopes(int n, Eigen::Index degree) {
-  Eigen::MatrixXd u(n, degree + 1);  // U_{k−1} in column k
-  const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(n, -1, 1);
-  u.col(0).setZero();
-  u.col(1).setOnes();
-  for (Eigen::Index k = 2; k <= degree; ++k)
-    u.col(k) = 2 * x * u.col(k - 1).array() - u.col(k - 2).array();
-  for (Eigen::Index k = 0; k <= degree; ++k)
-    u.col(k) *= static_cast<double>(k);
-  return u.leftCols(degree);
-}
-
 /// Degrees that resolve a phase of ±`phase` radians over [−1, 1] to double precision.
 int resolving_degree(double phase) {
   return static_cast<int>(std::ceil(phase + 6 * std::cbrt(phase) + 18));
+}
+
+/// Chebyshev nodes of h and of q_z that ψ is sampled on.
+struct SampleSize {
+  int heights, waves;
+};
+
+/// `farthest`: the largest |h − origin|.
+SampleSize sample_size(double half_range, double farthest, const WaveRange& q) {
+  return {resolving_degree(q.high * half_range), resolving_degree((q.high - q.low) / 2 * farthest)};
+}
+
+/// Whether the samples' decomposition, a cube of the smaller side, is a matter of tenths of a second, and
+/// tables of φ_k over all heights one of 200 MB (heights of ±0.6 mm in the visible).
+bool decomposable(const SampleSize& size) {
+  constexpr int kMostDegree = 320, kMostHeights = 30000;
+  return std::min(size.heights, 2 * size.waves) <= kMostDegree && size.heights <= kMostHeights;
+}
+
+/// [n] how often heights near each Chebyshev node occur; nodes descend.
+Eigen::ArrayXd node_weights(const HeightHistogram& heights, int n) {
+  // A height that the histogram's sample missed still has to come out: a floor under the weights.
+  constexpr double kFloor = 1e-3;
+  Eigen::ArrayXd weight = Eigen::ArrayXd::Constant(n, kFloor / n);
+  for (Eigen::Index b = 0; b < heights.mass.size(); ++b) {
+    const double position = 2 * (static_cast<double>(b) + 0.5) / static_cast<double>(heights.mass.size()) - 1;
+    const double angle = std::acos(std::clamp(position, -1.0, 1.0));
+    const auto nearest = static_cast<Eigen::Index>(angle / std::numbers::pi * n);
+    weight[std::min<Eigen::Index>(nearest, n - 1)] += heights.mass[b];
+  }
+  return weight;
 }
 
 /// J_0(x) … J_{n−1}(x), x ≥ 0, by Miller's downward recurrence [NIST DLMF §3.6(v)], normalised by J_0 +
@@ -126,49 +144,47 @@ HeightBasis::HeightBasis(const HeightHistogram& heights, double origin, const Wa
       origin_(origin),
       q_(q),
       reach_(q.high * (half_ + std::abs(centre_ - origin))) {
-  if (q.high * half_ > kSvdPhase)
-    expand(tolerance);
-  else
+  if (decomposable(sample_size(half_, half_ + std::abs(centre_ - origin_), q_)))
     decompose(heights, tolerance);
+  else
+    expand(tolerance);
 }
 
 void HeightBasis::decompose(const HeightHistogram& heights, double tolerance) {
-  // A height that the histogram's sample missed still has to come out: a floor under the weights.
-  constexpr double kFloor = 1e-3;
-  const int n = resolving_degree(q_.high * half_);
-  const int m = resolving_degree((q_.high - q_.low) / 2 * (half_ + std::abs(centre_ - origin_)));
-  const Eigen::ArrayXd x = chebyshev_nodes(n), y = chebyshev_nodes(m);
-  // Mass of each bin goes to the nearest node; nodes descend.
-  Eigen::ArrayXd weight = Eigen::ArrayXd::Constant(n, kFloor / n);
-  for (Eigen::Index b = 0; b < heights.mass.size(); ++b) {
-    const double position = 2 * (static_cast<double>(b) + 0.5) / static_cast<double>(heights.mass.size()) - 1;
-    const double angle = std::acos(std::clamp(position, -1.0, 1.0));
-    const auto nearest = static_cast<Eigen::Index>(angle / std::numbers::pi * n);
-    weight[std::min<Eigen::Index>(nearest, n - 1)] += heights.mass[b];
-  }
-  weight = weight.sqrt();
+  const SampleSize size = sample_size(half_, half_ + std::abs(centre_ - origin_), q_);
+  const int n = size.heights, m = size.waves;
+  const Eigen::ArrayXd x = chebyshev_nodes(n), weight = node_weights(heights, n).sqrt();
+  waves_ = (q_.high + q_.low) / 2 + (q_.high - q_.low) / 2 * chebyshev_nodes(m);
   Eigen::MatrixXd samples(n, 2 * m);
   for (int i = 0; i < n; ++i)
     for (int k = 0; k < m; ++k) {
-      const Complex value =
-          psi(centre_ + half_ * x[i] - origin_, (q_.high + q_.low) / 2 + (q_.high - q_.low) / 2 * y[k]);
+      const Complex value = psi(centre_ + half_ * x[i] - origin_, waves_[k]);
       samples(i, k) = weight[i] * value.real();
       samples(i, m + k) = weight[i] * value.imag();
     }
-  // The squares of the singular values: half the digits, which is 1e-8 of the largest.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(samples * samples.transpose());  // ascending
+  // The squares of the singular values: half the digits, which is 1e-8 of the largest. Of the two products
+  // the smaller one.
+  const bool fewer_heights = n <= 2 * m;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      fewer_heights ? Eigen::MatrixXd(samples * samples.transpose())
+                    : Eigen::MatrixXd(samples.transpose() * samples));  // ascending
+  const Eigen::ArrayXd squares = eigen.eigenvalues().array().max(0);
   const double allowed = m * tolerance * tolerance;
   double tail = 0;
-  terms_ = n;
-  while (terms_ > 0 && tail + std::max(0.0, eigen.eigenvalues()[n - terms_]) <= allowed) {
-    tail += std::max(0.0, eigen.eigenvalues()[n - terms_]);
+  terms_ = static_cast<int>(squares.size());
+  while (terms_ > 0 && tail + squares[squares.size() - terms_] <= allowed) {
+    tail += squares[squares.size() - terms_];
     --terms_;
   }
-  const Eigen::MatrixXd u = eigen.eigenvectors().rightCols(terms_).rowwise().reverse();
-  const Eigen::MatrixXd projected = samples.transpose() * u;
-  function_series_ = chebyshev_transform(n) * (weight.inverse().matrix().asDiagonal() * u);
-  coefficient_series_re_ = chebyshev_transform(m) * projected.topRows(m);
-  coefficient_series_im_ = chebyshev_transform(m) * projected.bottomRows(m);
+  const Eigen::MatrixXd vectors = eigen.eigenvectors().rightCols(terms_).rowwise().reverse();
+  // [2m, terms] right singular vectors times singular values
+  const Eigen::MatrixXd scaled =
+      fewer_heights ? Eigen::MatrixXd(samples.transpose() * vectors)
+                    : Eigen::MatrixXd(vectors * (samples * vectors).colwise().norm().asDiagonal());
+  const Eigen::ArrayXd norms2 = scaled.colwise().squaredNorm().transpose().array().max(1e-300);
+  combinations_ = scaled * norms2.inverse().matrix().asDiagonal();
+  coefficient_series_re_ = chebyshev_transform(m) * scaled.topRows(m);
+  coefficient_series_im_ = chebyshev_transform(m) * scaled.bottomRows(m);
 }
 
 void HeightBasis::expand(double tolerance) {
@@ -185,26 +201,49 @@ void HeightBasis::expand(double tolerance) {
 }
 
 HeightBasis::Functions HeightBasis::functions(int n, int first, int count) const {
-  const double step = 2.0 / (n - 1);
-  if (chebyshev_) {
-    Functions f{Eigen::ArrayXXd(n, count), Eigen::ArrayXXd(n, count)};
-    parallel_blocks(n, 256, [&](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t e = begin; e < end; ++e) {
-        const double angle = std::acos(std::clamp(-1 + step * static_cast<double>(e), -1.0, 1.0)),
-                     sine = std::sin(angle);
-        for (int c = 0; c < count; ++c) {
-          const double k = first + c;
-          const double end_slope = e == 0 && (first + c) % 2 == 0 ? -k * k : k * k;
-          f.value(e, c) = std::cos(k * angle);
-          f.derivative(e, c) = step * (e == 0 || e == n - 1 ? end_slope : k * std::sin(k * angle) / sine);
-        }
+  if (chebyshev_) return polynomials(n, first, count);
+  constexpr std::int64_t kBlock = 128;  // ψ and its slope at so many heights at a time
+  const double step = 2 * half_ / (n - 1), low = centre_ - half_ - origin_;
+  const Eigen::Index m = waves_.size();
+  const auto combinations = combinations_.middleCols(first, count);
+  Functions f{Eigen::ArrayXXd(n, count), Eigen::ArrayXXd(n, count)};
+  parallel_blocks(n, kBlock, [&](std::int64_t begin, std::int64_t end) {
+    const Eigen::Index rows = end - begin;
+    Eigen::MatrixXd value(rows, 2 * m), slope(rows, 2 * m);
+    for (Eigen::Index k = 0; k < m; ++k) {
+      const double q = waves_[k];
+      const Complex turn = std::polar(1.0, q * step / 2);
+      Complex half = std::polar(1.0, q * (low + step * static_cast<double>(begin)) / 2);  // e^{iqh/2}
+      for (Eigen::Index e = 0; e < rows; ++e, half *= turn) {
+        const double c = half.real(), s = half.imag();
+        value(e, k) = -2 * s * s / q;
+        value(e, m + k) = -2 * s * c / q;
+        slope(e, k) = -2 * s * c * step;
+        slope(e, m + k) = (s * s - c * c) * step;
       }
-    });
-    return f;
-  }
-  const Eigen::Index degree = function_series_.rows();
-  return {(chebyshev_values(n, degree) * function_series_.middleCols(first, count)).array(),
-          step * (chebyshev_slopes(n, degree) * function_series_.middleCols(first, count)).array()};
+    }
+    f.value.middleRows(begin, rows) = (value * combinations).array();
+    f.derivative.middleRows(begin, rows) = (slope * combinations).array();
+  });
+  return f;
+}
+
+HeightBasis::Functions HeightBasis::polynomials(int n, int first, int count) const {
+  const double step = 2.0 / (n - 1);
+  Functions f{Eigen::ArrayXXd(n, count), Eigen::ArrayXXd(n, count)};
+  parallel_blocks(n, 256, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t e = begin; e < end; ++e) {
+      const double angle = std::acos(std::clamp(-1 + step * static_cast<double>(e), -1.0, 1.0)),
+                   sine = std::sin(angle);
+      for (int c = 0; c < count; ++c) {
+        const double k = first + c;
+        const double end_slope = e == 0 && (first + c) % 2 == 0 ? -k * k : k * k;
+        f.value(e, c) = std::cos(k * angle);
+        f.derivative(e, c) = step * (e == 0 || e == n - 1 ? end_slope : k * std::sin(k * angle) / sine);
+      }
+    }
+  });
+  return f;
 }
 
 Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
@@ -230,6 +269,13 @@ Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
     }
   });
   return c;
+}
+
+double expected_terms(const HeightHistogram& heights, const WaveRange& q, double tolerance) {
+  const double half = (heights.high - heights.low) / 2;
+  const double farthest = std::max(std::abs(heights.low), std::abs(heights.high));
+  if (!decomposable(sample_size(half, farthest, q))) return q.high * half - 2 * std::log(tolerance);
+  return (q.high - q.low) * 2 * half / std::numbers::pi - 0.7 * std::log(tolerance);
 }
 
 }  // namespace micro

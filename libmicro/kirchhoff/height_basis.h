@@ -28,8 +28,9 @@ struct WaveRange {
 /// Real functions of h are what makes it cheap: two of their images go through one complex Fourier transform,
 /// and each image's spectrum is Hermitian. They come from a singular value decomposition of ψ sampled on
 /// Chebyshev nodes, weighed by how often each height occurs: about (q range)·(height range)/π terms + O(log
-/// 1/ε), fewer where heights cluster. Beyond kSvdPhase radians Jacobi–Anger takes its place, φ_k a Chebyshev
-/// polynomial: π/2 times as many terms.
+/// 1/ε), fewer where heights cluster. Where both ranges are so wide that the decomposition itself would take
+/// seconds, Jacobi–Anger takes its place, φ_k a Chebyshev polynomial: π/2·(q.high/(q range)) times as many
+/// terms.
 class HeightBasis {
  public:
   /// Keeps as many terms as it takes to bring the root mean square of ψ's error below `tolerance` µm.
@@ -52,18 +53,21 @@ class HeightBasis {
   Eigen::ArrayXXcd coefficients(int n, int first, int count) const;
 
  private:
-  static constexpr double kSvdPhase = 250;
-
   void decompose(const HeightHistogram& heights, double tolerance);
   void expand(double tolerance);
+  Functions polynomials(int n, int first, int count) const;
 
   double centre_, half_, origin_;  ///< heights are centre ± half
   WaveRange q_;
   double reach_;
   int terms_ = 0;
   bool chebyshev_ = false;
-  Eigen::MatrixXd function_series_;  ///< [degree, terms] Chebyshev coefficients of φ_k
-  Eigen::MatrixXd coefficient_series_re_, coefficient_series_im_;  ///< [degree, terms] the same of c_k
+  Eigen::ArrayXd waves_;          ///< [m] the Chebyshev nodes of q_z
+  Eigen::MatrixXd combinations_;  ///< [2m, terms] φ_k(h) = Σ_j (Re ψ(h, q_j) C_jk + Im ψ(h, q_j) C_{m+j,k})
+  Eigen::MatrixXd coefficient_series_re_, coefficient_series_im_;  ///< [m, terms] Chebyshev series of c_k
 };
+
+/// About how many terms HeightBasis will take, without making one.
+double expected_terms(const HeightHistogram& heights, const WaveRange& q, double tolerance);
 
 }  // namespace micro

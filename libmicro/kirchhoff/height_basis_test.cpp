@@ -58,6 +58,20 @@ TEST(HeightBasis, ChebyshevTakesOverForGreatRanges) {
   EXPECT_LE(worst_error(basis, heights, 0.5, q), 1e-5 / q.high);
 }
 
+// A table of small extent: q_z hardly varies, and great heights take few terms all the same.
+TEST(HeightBasis, ANarrowRangeOfWavesNeedsFewTerms) {
+  for (const double reach : {14.0, 50.0, 400.0})
+    for (const double tolerance : {1e-3, 1e-5}) {
+      const HeightHistogram heights = even_heights(-reach, 0.9 * reach);
+      const WaveRange q = {22.6 - 10 / reach, 22.6};
+      const HeightBasis basis(heights, 0.5, q, tolerance / q.high);
+      EXPECT_TRUE(basis.orthonormal());
+      EXPECT_LE(basis.terms(), 20) << reach;
+      EXPECT_NEAR(basis.terms(), expected_terms(heights, q, tolerance), 8) << reach;
+      EXPECT_LE(worst_error(basis, heights, 0.5, q), 25 * tolerance / q.high) << reach;
+    }
+}
+
 TEST(HeightBasis, TwoHeightsNeedFewTerms) {
   HeightHistogram heights{-5, 5, Eigen::ArrayXd::Zero(512)};
   heights.mass[0] = heights.mass[511] = 0.5;
@@ -67,13 +81,20 @@ TEST(HeightBasis, TwoHeightsNeedFewTerms) {
 }
 
 TEST(HeightBasis, SlopesAreDerivatives) {
-  const HeightBasis basis(even_heights(-1, 1), 0, {0, 22.6}, 1e-5);
-  constexpr int kFine = 2001;
-  const auto f = basis.functions(kFine, 0, basis.terms());
-  for (const int e : {1, 700, 1999})
-    for (int k = 0; k < basis.terms(); ++k)
-      EXPECT_NEAR(f.derivative(e, k), (f.value(e + 1, k) - f.value(e - 1, k)) / 2,
-                  1e-3 * (f.derivative.col(k).abs().maxCoeff()));
+  const struct {
+    double reach;
+    WaveRange q;
+  } cases[] = {{1, {0, 22.6}}, {30, {22, 22.6}}, {15, {0, 22.6}}};
+  for (const auto& [reach, q] : cases) {
+    const HeightBasis basis(even_heights(-reach, reach), 0, q, 1e-5);
+    const int fine = 2000 * static_cast<int>(reach) + 1;
+    const auto f = basis.functions(fine, 0, basis.terms());
+    for (const int e : {fine / 50, fine / 3, fine - fine / 50})
+      for (int k = 0; k < basis.terms(); ++k)
+        EXPECT_NEAR(f.derivative(e, k), (f.value(e + 1, k) - f.value(e - 1, k)) / 2,
+                    1e-3 * (f.derivative.col(k).abs().maxCoeff()))
+            << reach;
+  }
 }
 
 TEST(HeightBasis, NothingForAFlatSurface) {
