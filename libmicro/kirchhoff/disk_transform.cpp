@@ -332,15 +332,21 @@ WaveRange wave_range(double radius, const DiskGrid& grid) {
   return {radius * std::sqrt(std::max(0.0, 1 - 2 * grid.extent * grid.extent)), radius};
 }
 
+FacetPhases facet_phases(double radius, const DiskGrid& grid) {
+  return {radius, std::min(1.0, grid.extent * std::numbers::sqrt2)};
+}
+
 /// Every lattice point takes as many terms along x as the kernel is wide, and four for φ_k; every grid column
-/// of a lattice row as many along y.
+/// of a lattice row as many along y; every point of a steep facet its neighbours.
 double spread_work(const Geometry& g, const QuadratureLattice& lattice, const SpectralChoice& choice,
-                   int terms) {
+                   double steep_points, int terms) {
   const double padded = static_cast<double>((terms + kTermLanes - 1) / kTermLanes * kTermLanes);
   const auto rows = static_cast<double>(lattice.rows()), cols = static_cast<double>(lattice.cols());
   const double along_x = 0.75 * cols * (choice.kernel_width + 4);
   const double along_y = static_cast<double>(g.x_end - g.x_begin) * choice.kernel_width;
-  return padded * rows * (along_x + along_y);
+  constexpr double kPlace = 1500;  // what a point's place and its kernel take
+  const double around = choice.kernel_width * choice.kernel_width + 4;
+  return padded * rows * (along_x + along_y) + steep_points * (padded * around + kPlace);
 }
 
 template <typename Real>
@@ -354,10 +360,14 @@ void clear_field(const Geometry& g, DiskField<Real>& field) {
 
 }  // namespace
 
-void check_work(const HeightField& surface, const QuadratureLattice& lattice, int terms, double lambda_q) {
+void check_work(const SurfaceQuadrature& quadrature, int terms, double lambda_q) {
   constexpr double kMostPoints = 2e11;  // lattice points times terms: some 100 s on two cores
-  const double points =
-      static_cast<double>(lattice.rows()) * static_cast<double>(lattice.cols()) * std::max(terms, 1);
+  constexpr double kSteepPoint = 3;     // in lattice points
+  const QuadratureLattice& lattice = quadrature.lattice;
+  const HeightField& surface = lattice.surface();
+  const double points = (static_cast<double>(lattice.rows()) * static_cast<double>(lattice.cols()) +
+                         kSteepPoint * static_cast<double>(quadrature.steep.size())) *
+                        std::max(terms, 1);
   if (points <= kMostPoints) return;
   const double pitch = std::max(surface.dx, surface.dy), order = lambda_q / (2 * pitch);
   std::ostringstream text;
@@ -374,7 +384,9 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
   const HeightField& surface = window.surface;
   kirchhoff_area(surface);
   const double area = effective_area(window);
-  const QuadratureLattice lattice(surface, choice.subdivision, window.taper);
+  const SurfaceQuadrature quadrature({surface, choice.subdivision, window.taper, choice.steepest},
+                                     facet_phases(4 * pi / lambda_q, grid));
+  const QuadratureLattice& lattice = quadrature.lattice;
   const Geometry g = make_geometry(lattice, grid, lambda_q, choice);
   const GriddingKernel kernel(choice.kernel_width, static_cast<double>(g.length) / grid.size, g.pitch);
   const HeightHistogram heights = height_histogram(surface);
@@ -384,7 +396,7 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
   // pitch.
   const double scale = std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
   const HeightBasis basis(heights, 0, q, choice.basis_tolerance * scale);
-  check_work(surface, lattice, basis.terms(), lambda_q);
+  check_work(quadrature, basis.terms(), lambda_q);
 
   const ComplexFft<Real> fft({1, g.length, 1}, FftDirection::Forward);
   SpreadProblem<Real> problem{};
@@ -397,11 +409,15 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
       make_gather<Real>(kernel, lattice.dx(), 1, 2, lattice.cols() / 2, g.x_begin, g.x_end);
   problem.gather_y = make_gather<Real>(kernel, lattice.dy(), 0, 1, lattice.rows(), g.y_begin, g.y_end);
   problem.scatter_x = make_scatter<Real>(kernel, lattice.dx(), lattice.cols(), g.x_begin, g.x_end);
+  problem.steep =
+      make_point_scatter<Real>(quadrature.steep, {kernel, g.x_begin, g.x_end}, {kernel, g.y_begin, g.y_end});
 
   DiskDensity result;
   result.work.terms = basis.terms() + (lattice.complete() ? 0 : 1);
   result.work.fft_length = g.length;
-  result.work.spread = spread_work(g, lattice, choice, result.work.terms);
+  result.work.steep_points = static_cast<std::int64_t>(quadrature.steep.size());
+  result.work.spread =
+      spread_work(g, lattice, choice, static_cast<double>(quadrature.steep.size()), result.work.terms);
   clear_field(g, memory.field);
   const std::int64_t padded_rows = (g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup;
   const std::int64_t term_bytes = (2 * g.half + 1) * padded_rows * static_cast<std::int64_t>(sizeof(Real));
@@ -431,7 +447,7 @@ template DiskDensity transform_disk<double>(const Window&, const DiskGrid&, doub
 
 SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lambda_q,
                           const SpectralChoice& choice) {
-  const QuadratureLattice lattice(window.surface, choice.subdivision, window.taper);
+  const QuadratureLattice lattice(window.surface, choice.subdivision, window.taper, choice.steepest);
   const Geometry g = make_geometry(lattice, grid, lambda_q, choice);
   const HeightHistogram heights = height_histogram(window.surface);
   const WaveRange q = wave_range(std::sqrt(g.sphere), grid);
@@ -440,7 +456,8 @@ SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lam
   work.terms = std::max(1, static_cast<int>(std::min(terms, 1e6))) + (lattice.complete() ? 0 : 1);
   work.fft_length = g.length;
   work.transforms = (work.terms + 1) / 2 * (g.rows() + 2 * g.half + 1);
-  work.spread = spread_work(g, lattice, choice, work.terms);
+  work.steep_points = count_facet_points(lattice, facet_phases(4 * pi / lambda_q, grid));
+  work.spread = spread_work(g, lattice, choice, static_cast<double>(work.steep_points), work.terms);
   return work;
 }
 

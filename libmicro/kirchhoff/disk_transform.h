@@ -1,19 +1,24 @@
 #pragma once
 
+#include <limits>
+
 #include "distribution/disk_table.h"
 #include "kirchhoff/coherence.h"
 #include "kirchhoff/combine.h"
 #include "kirchhoff/height_basis.h"
 #include "kirchhoff/quadrature_lattice.h"
+#include "kirchhoff/steep_facets.h"
 
 namespace micro {
 
 /// How finely a table is computed. Every one of them only trades time for error.
 struct SpectralChoice {
   double basis_tolerance = 1e-3;  ///< of ψ's expansion, relative: see height_basis.h
-  int subdivision = 1;            ///< of the triangles (quadrature_lattice.h)
-  int kernel_width = 6;           ///< of gridding, in grid points
-  double oversampling = 1.25;     ///< of the transform over the table, at least
+  int subdivision = 1;            ///< of the triangles (quadrature_lattice.h) …
+  /// … but for those of a greater slope (steep_facets.h).
+  double steepest = std::numeric_limits<double>::infinity();
+  int kernel_width = 6;        ///< of gridding, in grid points
+  double oversampling = 1.25;  ///< of the transform over the table, at least
   bool operator==(const SpectralChoice&) const = default;
 };
 
@@ -21,9 +26,10 @@ struct SpectralChoice {
 struct SpectralWork {
   int terms = 0;  ///< real images
   std::int64_t fft_length = 0;
-  std::int64_t transforms = 0;  ///< complex transforms of fft_length numbers, rows and columns
-  std::int64_t bytes = 0;       ///< of memory held at most, without the table
-  double spread = 0;            ///< multiply-adds that take the sources to the grid, about
+  std::int64_t transforms = 0;    ///< complex transforms of fft_length numbers, rows and columns
+  std::int64_t bytes = 0;         ///< of memory held at most, without the table
+  double spread = 0;              ///< multiply-adds that take the sources to the grid, about
+  std::int64_t steep_points = 0;  ///< on facets that the lattice leaves out
 };
 
 /// Memory that may serve one table after the other; nothing in it outlives a call.
@@ -57,7 +63,7 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
 
 /// Throws InputError if transforming so many terms of so fine a lattice would take hours; says how far out
 /// the table may go instead.
-void check_work(const HeightField& surface, const QuadratureLattice& lattice, int terms, double lambda_q);
+void check_work(const SurfaceQuadrature& quadrature, int terms, double lambda_q);
 
 /// What a table will take, without computing it; `bytes` is left out, and `terms` is what the ranges of
 /// heights and of q_z suggest (expected_terms).

@@ -29,7 +29,7 @@ BesselPair modified_bessel(double y) {
 }  // namespace
 
 GriddingKernel::GriddingKernel(int width, double oversampling, double pitch)
-    : half_width_(width * pitch / 2), pitch_(pitch) {
+    : width_(width), half_width_(width * pitch / 2), pitch_(pitch) {
   assert(width >= 2 && oversampling > 1 && pitch > 0);
   const double a = width / oversampling * (oversampling - 0.5);
   beta_ = std::numbers::pi * std::sqrt(std::max(a * a - 0.8, 0.1));
@@ -103,5 +103,24 @@ template ScatterTable<float> make_scatter(const GriddingKernel&, double, std::in
                                           std::int64_t);
 template ScatterTable<double> make_scatter(const GriddingKernel&, double, std::int64_t, std::int64_t,
                                            std::int64_t);
+
+GriddingKernelTable::GriddingKernelTable(const GriddingKernel& kernel)
+    : half_width_(kernel.half_width()), per_length_(0) {
+  constexpr int kEntries = 1024;
+  per_length_ = kEntries / half_width_;
+  for (int n = 0; n <= kEntries; ++n) {
+    const GriddingKernel::Value value = kernel(half_width_ * n / kEntries);
+    entries_.push_back({value.k, value.slope / per_length_});
+  }
+}
+
+double GriddingKernelTable::operator()(double x) const {
+  const double position = std::abs(x) * per_length_;
+  const auto n = static_cast<std::size_t>(position);
+  if (!(position < static_cast<double>(entries_.size() - 1))) return 0;
+  const double t = position - static_cast<double>(n), s = 1 - t;
+  const Entry &a = entries_[n], &b = entries_[n + 1];
+  return s * s * ((1 + 2 * t) * a.k + t * a.slope) + t * t * ((3 - 2 * t) * b.k - s * b.slope);
+}
 
 }  // namespace micro

@@ -14,6 +14,7 @@ class GriddingKernel {
   /// `width` grid points of pitch `pitch` µm, ≥ 2; `oversampling` σ > 1.
   GriddingKernel(int width, double oversampling, double pitch);
 
+  int width() const { return width_; }               ///< grid points
   double half_width() const { return half_width_; }  ///< µm
   double pitch() const { return pitch_; }            ///< µm
   struct Value {
@@ -24,6 +25,7 @@ class GriddingKernel {
   double spectrum(double q) const;
 
  private:
+  int width_;
   double half_width_, pitch_, beta_, peak_;
 };
 
@@ -55,5 +57,19 @@ struct ScatterTable {
 template <typename Real>
 ScatterTable<Real> make_scatter(const GriddingKernel& kernel, double spacing, std::int64_t sources,
                                 std::int64_t begin, std::int64_t end);
+
+/// K by cubic Hermite interpolation, to 1e-9, for points too many for its series.
+class GriddingKernelTable {
+ public:
+  explicit GriddingKernelTable(const GriddingKernel& kernel);
+  double operator()(double x) const;  ///< at distance x in µm
+
+ private:
+  struct Entry {
+    double k, slope;  ///< slope per entry
+  };
+  double half_width_, per_length_;
+  std::vector<Entry> entries_;
+};
 
 }  // namespace micro

@@ -67,16 +67,19 @@ bool decomposable(const SampleSize& size) {
   return std::min(size.heights, 2 * size.waves) <= kMostDegree && size.heights <= kMostHeights;
 }
 
-/// [n] how often heights near each Chebyshev node occur; nodes descend.
+/// [n] how often heights near each Chebyshev node occur; nodes descend. A height between nodes sees the nodes
+/// j away by 1/j, so that is how far their errors may go: weights fall as 1/j² beside it.
 Eigen::ArrayXd node_weights(const HeightHistogram& heights, int n) {
   // A height that the histogram's sample missed still has to come out: a floor under the weights.
   constexpr double kFloor = 1e-3;
   Eigen::ArrayXd weight = Eigen::ArrayXd::Constant(n, kFloor / n);
+  const Eigen::ArrayXd index = Eigen::ArrayXd::LinSpaced(n, 0.5, n - 0.5);
   for (Eigen::Index b = 0; b < heights.mass.size(); ++b) {
+    if (heights.mass[b] == 0) continue;
     const double position = 2 * (static_cast<double>(b) + 0.5) / static_cast<double>(heights.mass.size()) - 1;
-    const double angle = std::acos(std::clamp(position, -1.0, 1.0));
-    const auto nearest = static_cast<Eigen::Index>(angle / std::numbers::pi * n);
-    weight[std::min<Eigen::Index>(nearest, n - 1)] += heights.mass[b];
+    const double nearest = std::acos(std::clamp(position, -1.0, 1.0)) / std::numbers::pi * n;
+    const Eigen::ArrayXd share = 1 / (1 + 4 * (index - nearest).square());
+    weight += heights.mass[b] / share.sum() * share;
   }
   return weight;
 }

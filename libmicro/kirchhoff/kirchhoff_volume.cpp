@@ -88,14 +88,15 @@ void fill_with_kirchhoff(const HeightField& surface, double tol, DensityVolume& 
   const double radius = std::hypot(q_x, q_y, q.high);
   const SpectralChoice choice =
       choose_spectral(surface, {3, std::max(q_x, q_y) / radius}, 4 * pi / radius, tol);
-  const QuadratureLattice lattice(surface, choice.subdivision);
+  const SurfaceQuadrature quadrature({surface, choice.subdivision, {}, choice.steepest},
+                                     {radius, std::max(q_x, q_y) / radius});
   const SpectrumAxis x = make_axis(patch.side_x, grid.step_x, grid.reach_x, choice.kernel_width),
                      y = make_axis(patch.side_y, grid.step_y, grid.reach_y, choice.kernel_width);
   const double tolerance = choice.basis_tolerance * std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
   const HeightBasis basis(heights, 0, q, tolerance);
-  check_work(surface, lattice, basis.terms(), 4 * pi / radius);
+  check_work(quadrature, basis.terms(), 4 * pi / radius);
   const NestedTerms terms(basis, q, tolerance);
-  const bool complete = lattice.complete();
+  const bool complete = quadrature.lattice.complete();
   const TermBatch batch = {0, terms.terms(), !complete};
   const std::int64_t spectra_bytes =
       std::int64_t{std::max(batch.terms(), 1)} * TermSpectra<float>::bytes_per_term(x, y);
@@ -115,7 +116,7 @@ void fill_with_kirchhoff(const HeightField& surface, double tol, DensityVolume& 
     c(k, 0) = grid.step_z * static_cast<double>(k);
 
   FftVector<std::complex<float>> memory;
-  const TermSpectra<float> spectra(lattice, heights, terms, basis.phase_reach(), batch, x, y, memory);
+  const TermSpectra<float> spectra(quadrature, heights, terms, basis.phase_reach(), batch, x, y, memory);
   const double to_density = kirchhoff_density(1, area);
   parallel_blocks(grid.cols(), 8, [&](std::int64_t begin, std::int64_t end) {
     const TermColumns<float> columns = spectra.columns(begin - grid.reach_x, end - begin);

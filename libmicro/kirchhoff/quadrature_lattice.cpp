@@ -8,24 +8,22 @@
 
 namespace micro {
 
-QuadratureLattice::QuadratureLattice(const HeightField& surface, int subdivision, Grid<float> taper)
+QuadratureLattice::QuadratureLattice(const HeightField& surface, int subdivision, Grid<float> taper,
+                                     double steepest)
     : surface_(surface),
       taper_(std::move(taper)),
       refinement_(2 * subdivision),
+      steepest_(steepest),
       third_(static_cast<float>(surface.dx * surface.dy / 2 / subdivision / subdivision / 3)),
       lower_(Grid<std::uint8_t>::Zero(surface.rows() - 1, surface.cols() - 1)),
       upper_(lower_) {
   assert(surface.rows() >= 2 && surface.cols() >= 2 && subdivision >= 1);
   assert(taper_.size() == 0 || (taper_.rows() == lower_.rows() && taper_.cols() == lower_.cols()));
-  for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j) {
-    const float* z0 = &surface.z(j, 0);
-    const float* z1 = &surface.z(j + 1, 0);
-    for (Eigen::Index i = 0; i + 1 < surface.cols(); ++i) {
-      const bool diagonal = z0[i] == z0[i] && z1[i + 1] == z1[i + 1];
-      lower_(j, i) = diagonal && z0[i + 1] == z0[i + 1];
-      upper_(j, i) = diagonal && z1[i] == z1[i];
-    }
-  }
+  for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j)
+    for_each_triangle(surface, j, [&](const Triangle& triangle) {
+      const bool is_lower = triangle.b.y() == triangle.a.y();
+      (is_lower ? lower_ : upper_)(j, triangle.a.x()) = leaves_out(triangle) ? kSteep : kGentle;
+    });
   complete_ = taper_.size() == 0 && (lower_ != 0).all() && (upper_ != 0).all();
 }
 
@@ -53,11 +51,12 @@ void QuadratureLattice::fill_vertex_row(Eigen::Index j, LatticeRow& row) const {
   // Along the horizontal edges: the triangle above is a lower one, the one below an upper one.
   for (Eigen::Index i = 0; i + 1 < surface_.cols(); ++i) {
     const float above = lower(j, i), below = upper(j - 1, i);
+    const float area = (lower_area(j, i) + upper_area(j - 1, i)) * third_;
     if (above == 0 && below == 0) continue;
     for (int a = 1; a < r; ++a) {
       const float t = static_cast<float>(a) / static_cast<float>(r);
       row.z[i * r + a] = z[i] + t * (z[i + 1] - z[i]);
-      if (a % 2 == 1) row.area[i * r + a] = (above + below) * third_;
+      if (a % 2 == 1) row.area[i * r + a] = area;
     }
     if (above != below)
       for (int a = 0; a <= r; ++a)
@@ -88,27 +87,28 @@ void QuadratureLattice::fill_inner_row(Eigen::Index j, int b, LatticeRow& row) c
     const float right = upper(j, i), left = lower(j, i - 1);
     if (right > 0 || left > 0) {
       row.z[i * r] = z0[i] + v * (z1[i] - z0[i]);
-      if (b % 2 == 1) row.area[i * r] = (right + left) * third_;
+      if (b % 2 == 1) row.area[i * r] = (upper_area(j, i) + lower_area(j, i - 1)) * third_;
       row.nx[i * r] = (left - right) * dy * along;
     }
     const float under = lower(j, i), over = upper(j, i);
+    const float under_area = lower_area(j, i) * third_, over_area = upper_area(j, i) * third_;
     if (under == 0 && over == 0) continue;
     row.z[i * r + b] = z0[i] + v * (z1[i + 1] - z0[i]);
-    if (b % 2 == 1) row.area[i * r + b] = (under + over) * third_;
+    if (b % 2 == 1) row.area[i * r + b] = under_area + over_area;
     row.nx[i * r + b] = (over - under) * dy * along;
     row.ny[i * r + b] = (under - over) * dx * along;
     if (r == 2) continue;
-    if (over > 0)
+    if (over_area > 0)
       for (int a = 1; a < b; ++a) {
         const float u = static_cast<float>(a) / static_cast<float>(r);
         row.z[i * r + a] = z0[i] + v * (z1[i] - z0[i]) + u * (z1[i + 1] - z1[i]);
-        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * over * third_;
+        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * over_area;
       }
-    if (under > 0)
+    if (under_area > 0)
       for (int a = b + 1; a < r; ++a) {
         const float u = static_cast<float>(a) / static_cast<float>(r);
         row.z[i * r + a] = z0[i] + u * (z0[i + 1] - z0[i]) + v * (z1[i + 1] - z0[i + 1]);
-        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * under * third_;
+        if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * under_area;
       }
   }
 }

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/grid.h"
 #include "height/height_field.h"
+#include "height/triangles.h"
 
 namespace micro {
 
@@ -16,15 +18,32 @@ struct LatticeRow {
   std::vector<int> rim;       ///< indices of points with nx or ny ≠ 0, ascending
 };
 
+/// One quadrature point anywhere on the surface.
+struct SurfacePoint {
+  double x, y;  ///< µm
+  float z;      ///< µm
+  float area;   ///< µm²
+};
+
 /// Quadrature of the triangulated surface (height/triangles.h) on a regular lattice `subdivision`·2 times as
 /// fine as its grid. Each triangle is cut into subdivision² equal ones, each integrated by the midpoints of
 /// its three edges (exact for quadratics); each edge of the rim, holes included, by as many Simpson rules. A
 /// missing triangle just does not contribute, so missing data cost no accuracy. A taper (coherence.h) weighs
 /// the cells; where neighbours differ, their common edge belongs to the rim with the difference of weights.
+/// Triangles steeper than `steepest` are left out of the area, though not of the rim: steep_facets.h has
+/// them.
 class QuadratureLattice {
  public:
-  QuadratureLattice(const HeightField& surface, int subdivision, Grid<float> taper = {});
+  QuadratureLattice(const HeightField& surface, int subdivision, Grid<float> taper = {},
+                    double steepest = std::numeric_limits<double>::infinity());
 
+  const HeightField& surface() const { return surface_; }
+  double steepest() const { return steepest_; }  ///< slope
+  bool leaves_out(const Triangle& triangle) const {
+    return triangle.zx * triangle.zx + triangle.zy * triangle.zy > steepest_ * steepest_;
+  }
+  /// The taper at a cell's triangles.
+  float cell_weight(Eigen::Index j, Eigen::Index i) const { return taper_.size() ? taper_(j, i) : 1; }
   int refinement() const { return refinement_; }  ///< lattice points per grid pitch
   std::int64_t rows() const { return (surface_.rows() - 1) * refinement_ + 1; }
   std::int64_t cols() const { return (surface_.cols() - 1) * refinement_ + 1; }
@@ -41,12 +60,21 @@ class QuadratureLattice {
  private:
   void fill_vertex_row(Eigen::Index j, LatticeRow& row) const;
   void fill_inner_row(Eigen::Index j, int b, LatticeRow& row) const;
-  /// Weight of a triangle, 0 where none is.
+  /// What is known of a triangle.
+  enum State : std::uint8_t { kMissingTriangle = 0, kGentle = 1, kSteep = 2 };
+  /// Weight of a triangle's rim, 0 where none is.
   float lower(Eigen::Index j, Eigen::Index i) const { return weight(lower_, j, i); }
   float upper(Eigen::Index j, Eigen::Index i) const { return weight(upper_, j, i); }
   float weight(const Grid<std::uint8_t>& cells, Eigen::Index j, Eigen::Index i) const {
     if (j < 0 || i < 0 || j >= cells.rows() || i >= cells.cols() || cells(j, i) == 0) return 0;
-    return taper_.size() ? taper_(j, i) : 1;
+    return cell_weight(j, i);
+  }
+  /// Weight of a triangle's area.
+  float lower_area(Eigen::Index j, Eigen::Index i) const { return area_weight(lower_, j, i); }
+  float upper_area(Eigen::Index j, Eigen::Index i) const { return area_weight(upper_, j, i); }
+  float area_weight(const Grid<std::uint8_t>& cells, Eigen::Index j, Eigen::Index i) const {
+    const float all = weight(cells, j, i);
+    return all != 0 && cells(j, i) == kSteep ? 0 : all;
   }
   /// Simpson's weight of the t-th of refinement_+1 points along an edge, of a sum of 1.
   float simpson(int t) const {
@@ -58,6 +86,7 @@ class QuadratureLattice {
   Grid<float> taper_;  ///< of the cells; 0×0: 1
   int refinement_;
   bool complete_;
+  double steepest_;
   float third_;  ///< a third of a sub-triangle's area, µm²
   Grid<std::uint8_t> lower_, upper_;
 };

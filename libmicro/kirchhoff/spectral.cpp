@@ -55,7 +55,9 @@ SpectralChoice choose_spectral(const HeightField& surface, const DiskGrid& grid,
   SpectralChoice choice;
   choice.basis_tolerance = 0.6 * tol;
   choice.kernel_width = std::clamp(static_cast<int>(std::ceil(1.7 - 1.1 * std::log10(tol))), 3, kMostWidth);
-  choice.subdivision = choose_subdivision(surface, {phase, sin_theta, tol});
+  const Subdivision subdivision = choose_subdivision(surface, {phase, sin_theta, tol, choice.kernel_width});
+  choice.subdivision = subdivision.n;
+  choice.steepest = subdivision.steepest;
   return choice;
 }
 

@@ -83,8 +83,9 @@ const std::vector<SurfaceCase> kSurfaces = {
     {"many_periods", {9, 1}},
     {"odd_size", {59, 0.7}},
     {"coarse_pitch"},
-    {"cliffs_of_ten_micrometres", {65, 0.5}, kLambda, 3e-2},
-    {"slopes_of_ten", {65, 1}, kLambda, 1e-2},
+    {"cliffs_of_ten_micrometres", {65, 0.5}},
+    {"slopes_of_ten"},
+    {"a_staircase_of_thirty_micrometres", {33, 0.5}},
     {"a_hundred_micrometres", {33, 0.75}},
     {"a_metre_up"},
 };

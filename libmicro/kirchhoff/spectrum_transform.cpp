@@ -262,7 +262,8 @@ SpectrumDensity transform_spectrum(const HeightField& surface, const DiskGrid& g
                                    SpectrumMemory<Real>& memory) {
   assert(!lambda_q.empty());
   const double area = kirchhoff_area(surface), radius = 4 * pi / lambda_q.front();
-  const QuadratureLattice lattice(surface, choice.subdivision);
+  const SurfaceQuadrature quadrature({surface, choice.subdivision, {}, choice.steepest},
+                                     {radius, std::min(1.0, grid.extent * std::numbers::sqrt2)});
   const auto [x, y] = make_axes(surface, grid, lambda_q.front(), choice);
   const HeightHistogram heights = height_histogram(surface);
   const WaveRange q = {4 * pi / lambda_q.back() * std::sqrt(std::max(0.0, 1 - 2 * grid.extent * grid.extent)),
@@ -271,9 +272,9 @@ SpectrumDensity transform_spectrum(const HeightField& surface, const DiskGrid& g
   // pitch.
   const double tolerance = choice.basis_tolerance * std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
   const HeightBasis basis(heights, 0, q, tolerance);
-  check_work(surface, lattice, basis.terms(), lambda_q.front());
+  check_work(quadrature, basis.terms(), lambda_q.front());
   const NestedTerms terms(basis, q, tolerance);
-  const bool complete = lattice.complete();
+  const bool complete = quadrature.lattice.complete();
   const double plate = complete ? 1 : 0, to_density = kirchhoff_density(1, area);
 
   SpectrumDensity result;
@@ -292,7 +293,8 @@ SpectrumDensity transform_spectrum(const HeightField& surface, const DiskGrid& g
       if (batches.size() > 1) spheres.back().field.assign(static_cast<std::size_t>(field) / sizeof(Real), 0);
     }
     for (const TermBatch& batch : batches) {
-      const TermSpectra<Real> spectra(lattice, heights, terms, basis.phase_reach(), batch, x, y, memory.rows);
+      const TermSpectra<Real> spectra(quadrature, heights, terms, basis.phase_reach(), batch, x, y,
+                                      memory.rows);
       const TermCoefficients<Real> coefficients =
           make_coefficients<Real>(terms, basis.phase_reach(), q, batch, choice.basis_tolerance);
       const Pass<Real> pass(grid, terms, batch, coefficients, spectra, y);

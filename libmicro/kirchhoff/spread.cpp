@@ -253,6 +253,37 @@ void spread_batch(RowSpreader<Real>& s, std::int64_t first, std::int64_t last) {
   }
 }
 
+/// Adds the points of steep facets whose first grid row is `entry` or, if they are still to be spread, an
+/// earlier one.
+template <typename Real>
+void spread_steep(RowSpreader<Real>& s, std::int64_t entry) {
+  const Lanes<Real> d;
+  const int step = static_cast<int>(hn::Lanes(d));
+  const SpreadProblem<Real>& p = s.problem;
+  const PointScatter<Real>& points = p.steep;
+  const int padded = p.functions->padded, taps = points.taps;
+  const auto q_squared = static_cast<Real>(p.q_squared);
+  if (s.sources.size() < static_cast<std::size_t>(padded)) s.sources.resize(static_cast<std::size_t>(padded));
+  Real* phi = s.sources.data();
+  for (; s.next_steep < points.size() && points.row[s.next_steep] <= entry; ++s.next_steep) {
+    const std::size_t n = s.next_steep;
+    const std::int64_t row = points.row[n];
+    if (row + taps <= entry) continue;
+    const auto at = locate<Real>(*p.functions, points.z[n], q_squared * static_cast<Real>(points.area[n]));
+    for (int k = 0; k < padded; k += step)
+      hn::StoreU(interpolate(at, padded, k), d, phi + k);
+    const Real *kx = &points.x[n * taps], *ky = &points.y[n * taps];
+    for (int j = static_cast<int>(std::max<std::int64_t>(entry - row, 0)); j < taps; ++j) {
+      Real* to = s.open_row(row + j) + std::int64_t{points.col[n]} * padded;
+      for (int i = 0; i < taps; ++i, to += padded) {
+        const auto weight = hn::Set(d, kx[i] * ky[j]);
+        for (int k = 0; k < padded; k += step)
+          hn::StoreU(hn::MulAdd(weight, hn::LoadU(d, phi + k), hn::LoadU(d, to + k)), d, to + k);
+      }
+    }
+  }
+}
+
 template <typename Real>
 void spread_row(RowSpreader<Real>& s, std::int64_t m) {
   const GatherTable<Real>& y = s.problem.gather_y;
@@ -266,6 +297,7 @@ void spread_row(RowSpreader<Real>& s, std::int64_t m) {
     spread_batch(s, s.next, last);
     s.next = last;
   }
+  if (s.problem.sources != SpreadSources::Rim) spread_steep(s, entry);
 }
 
 }  // namespace
@@ -306,7 +338,7 @@ std::int64_t reached_rows(const GatherTable<Real>& y) {
 
 template <typename Real>
 RowSpreader<Real>::RowSpreader(const SpreadProblem<Real>& p)
-    : problem(p), open_rows(reached_rows(p.gather_y)) {
+    : problem(p), open_rows(std::max<std::int64_t>(reached_rows(p.gather_y), p.steep.taps)) {
   const double sources_per_col =
       static_cast<double>(p.lattice->cols()) / static_cast<double>(std::max<std::int64_t>(p.grid_cols, 1));
   const double col_bytes =

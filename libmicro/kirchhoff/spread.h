@@ -4,6 +4,7 @@
 
 #include "core/fft.h"
 #include "kirchhoff/gridding.h"
+#include "kirchhoff/point_scatter.h"
 #include "kirchhoff/quadrature_lattice.h"
 
 namespace micro {
@@ -28,6 +29,7 @@ enum class SpreadSources { AreaAndRim, Area, Rim };
 
 /// What is spread onto the grid that the Fourier transforms read, for every term k at once:
 ///   g_k(x) = Q² Σ_v area_v φ_k(h_v) K(x − v) − Σ_v φ_k(h_v) (n_v·∇K)(x − v),
+/// v over the lattice and, for the area, over the points of the facets that it leaves out,
 /// so that its spectrum is Q² Î[φ_k] − i ∮ (q_⊥·n) φ_k e^{−iq_⊥·x} dl, times the kernel's own: area and rim
 /// together.
 template <typename Real>
@@ -39,6 +41,7 @@ struct SpreadProblem {
   std::int64_t row_begin;  ///< grid row of the first entry of gather_y
   GatherTable<Real> gather_x, gather_x_odd, gather_y;
   ScatterTable<Real> scatter_x;
+  PointScatter<Real> steep;  ///< of steep_facets.h
   SpreadSources sources = SpreadSources::AreaAndRim;
 };
 
@@ -68,8 +71,9 @@ class RowSpreader {
   std::int64_t block_cols = 0;                 ///< grid columns done at a time
   std::int64_t open_rows;                      ///< grid rows held
   std::int64_t open_begin = 0;                 ///< entry of gather_y of the first of them
-  FftVector<Real> open;   ///< [open_rows, grid_cols, padded] entry e in slot e % open_rows
-  std::int64_t next = 0;  ///< first lattice row not yet spread
+  FftVector<Real> open;        ///< [open_rows, grid_cols, padded] entry e in slot e % open_rows
+  std::int64_t next = 0;       ///< first lattice row not yet spread
+  std::size_t next_steep = 0;  ///< first of the steep facets' points not yet spread
 };
 
 }  // namespace micro

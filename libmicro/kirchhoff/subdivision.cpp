@@ -2,34 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "kirchhoff/quadrature_lattice.h"
+#include "kirchhoff/steep_facets.h"
 
 namespace micro {
 namespace {
 
-/// The relief at some 50,000 cells: slope s = |∇z|, and its change κ from cell to cell (the root of the sum
-/// of the squared second differences, per pitch). A facet shines where q_z = |q|·cosθ, cosθ = 1/√(1 + s²):
-/// phases go with s·cosθ = sinθ and κ·cosθ.
-struct Relief {
-  std::vector<double> slope, sine, kink;  ///< s, sinθ, κ·cosθ of each sampled cell
-  double typical_sine = 0;  ///< per axis: the median of sinθ over that of a Rayleigh distribution of σ = 1
+/// Points of steep facets that 300 MB hold, and periods of a lattice beyond which a table is refused anyway.
+constexpr double kMostSteepPoints = 3e6;
+constexpr int kMostPeriods = 4096;
 
-  double fraction_above(double limit) const {
-    const auto above = std::count_if(slope.begin(), slope.end(), [&](double s) { return s > limit; });
-    return slope.empty() ? 0 : static_cast<double>(above) / static_cast<double>(slope.size());
-  }
-  /// √⟨min(sinθ, limit)⁴ (κ·cosθ)²⟩
-  double kinks(double limit) const {
-    double sum = 0;
-    for (std::size_t n = 0; n < sine.size(); ++n) {
-      const double squared = std::pow(std::min(sine[n], limit), 2);
-      sum += squared * squared * kink[n] * kink[n];
-    }
-    return sine.empty() ? 0 : std::sqrt(sum / static_cast<double>(sine.size()));
-  }
+/// One cell of the relief: slope s = |∇z|, and its change κ from cell to cell (the root of the sum of the
+/// squared second differences, per pitch). A facet shines where q_z = |q|·cosθ, cosθ = 1/√(1 + s²): phases go
+/// with s·cosθ = sinθ and κ·cosθ. At the foot of a cliff κ is the cliff's: four times its own slope is as
+/// much as a cell's own phase can jump by.
+struct ReliefCell {
+  double slope, sine, kink;  ///< s, sinθ, κ·cosθ
 };
 
 /// z(j−dj, i−di) − 2z(j, i) + z(j+dj, i+di), µm; 0 beyond the border or beside a hole: that edge is the
@@ -42,10 +34,11 @@ double second_difference(const HeightField& surface, Eigen::Index j, Eigen::Inde
   return std::isfinite(value) ? value : 0;
 }
 
-Relief sample_relief(const HeightField& surface) {
-  constexpr Eigen::Index kSamples = 50000;
-  const Eigen::Index step = std::max<Eigen::Index>(1, 2 * surface.rows() * surface.cols() / kSamples);
-  Relief relief;
+/// The relief at some 25,000 cells, in ascending order of slope.
+std::vector<ReliefCell> sample_relief(const HeightField& surface) {
+  constexpr Eigen::Index kSamples = 25000;
+  const Eigen::Index step = std::max<Eigen::Index>(1, surface.rows() * surface.cols() / kSamples);
+  std::vector<ReliefCell> cells;
   Eigen::Index start = 0;
   for (Eigen::Index j = 0; j + 1 < surface.rows(); ++j)
     for (Eigen::Index i = start++ % step; i + 1 < surface.cols(); i += step) {
@@ -58,17 +51,74 @@ Relief sample_relief(const HeightField& surface) {
       const double xx = second_difference(surface, j, i, 0, 1) / surface.dx;
       const double yy = second_difference(surface, j, i, 1, 0) / surface.dy;
       const double cosine = 1 / std::sqrt(1 + slope * slope);
-      relief.slope.push_back(slope);
-      relief.sine.push_back(slope * cosine);
-      relief.kink.push_back(cosine * std::sqrt(xx * xx + yy * yy + 2 * xy * xy));
+      const double kink = std::min(std::sqrt(xx * xx + yy * yy + 2 * xy * xy), 4 * slope);
+      cells.push_back({slope, slope * cosine, cosine * kink});
     }
-  if (relief.slope.empty()) return relief;
-  std::vector<double> sorted = relief.sine;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  relief.typical_sine = *middle / std::sqrt(2 * std::numbers::ln2);
-  return relief;
+  std::sort(cells.begin(), cells.end(),
+            [](const ReliefCell& a, const ReliefCell& b) { return a.slope < b.slope; });
+  return cells;
 }
+
+/// Sums over the sampled cells that have been sorted by slope, so that any lattice is judged in no time.
+class Relief {
+ public:
+  Relief(const HeightField& surface, const SubdivisionDemands& demands) : cells_(sample_relief(surface)) {
+    const double q = demands.phase / std::max(surface.dx, surface.dy);
+    const FacetPhases phases = {q, demands.sin_theta};
+    const double pitch = std::max(surface.dx, surface.dy);
+    double fourth = 0, square = 0, points = 0;
+    for (const ReliefCell& cell : cells_) {
+      fourth += std::pow(cell.sine, 4) * cell.kink * cell.kink;
+      square += cell.kink * cell.kink;
+      points += 2 * expected_facet_points(cell.slope, pitch, phases);
+      fourth_.push_back(fourth);
+      square_.push_back(square);
+      points_.push_back(points);
+    }
+  }
+
+  std::size_t size() const { return cells_.size(); }
+  double slope(std::size_t n) const { return cells_[n].slope; }
+  /// How many cells are not steeper.
+  std::size_t up_to(double slope) const {
+    return static_cast<std::size_t>(
+        std::upper_bound(cells_.begin(), cells_.end(), slope,
+                         [](double limit, const ReliefCell& cell) { return limit < cell.slope; }) -
+        cells_.begin());
+  }
+  /// Per axis: the median of sinθ over that of a Rayleigh distribution of σ = 1.
+  double typical_sine() const {
+    return cells_.empty() ? 0 : cells_[size() / 2].sine / std::sqrt(2 * std::numbers::ln2);
+  }
+  /// √⟨min(sinθ, limit)⁴ (κ·cosθ)²⟩, where the steepest cells, from `end`, do not count.
+  double kinks(double limit, std::size_t end) const {
+    if (end == 0) return 0;
+    const double slope = limit < 1 ? limit / std::sqrt(1 - limit * limit) : cells_.back().slope;
+    const std::size_t middle = std::min(end, up_to(slope));
+    const double sum =
+        before(fourth_, middle) + std::pow(limit, 4) * (before(square_, end) - before(square_, middle));
+    return std::sqrt(sum / static_cast<double>(size()));
+  }
+  /// The first cell from which on facet_points() is within `most`.
+  std::size_t first_within(double most) const {
+    const double all = facet_points(0) * static_cast<double>(size());
+    const double least = all - most * static_cast<double>(size());
+    return static_cast<std::size_t>(std::lower_bound(points_.begin(), points_.end(), least) -
+                                    points_.begin()) +
+           (least > 0 ? 1 : 0);
+  }
+  /// Points a cell that integrating the cells from `begin` one by one takes.
+  double facet_points(std::size_t begin) const {
+    return size() ? (before(points_, size()) - before(points_, begin)) / static_cast<double>(size()) : 0;
+  }
+
+ private:
+  static double before(const std::vector<double>& sums, std::size_t end) {
+    return end == 0 ? 0 : sums[end - 1];
+  }
+  std::vector<ReliefCell> cells_;
+  std::vector<double> fourth_, square_, points_;  ///< sums up to each cell
+};
 
 /// The slope s whose phase turns by `turns`·|q| per length in its worst direction on the table:
 /// max sinθ + s·cosθ over θ up to the outermost, which is √(1 + s²) where tanθ = 1/s is on the table.
@@ -79,35 +129,61 @@ double steepest_slope(double turns, double sin_theta) {
 
 }  // namespace
 
-int choose_subdivision(const HeightField& surface, const SubdivisionDemands& demands) {
-  const Relief relief = sample_relief(surface);
+Subdivision choose_subdivision(const HeightField& surface, const SubdivisionDemands& demands) {
   const double phase = demands.phase, sin_theta = demands.sin_theta, tol = demands.tolerance;
+  const Relief relief(surface, demands);
 
   const double rim = rim_fraction(surface);
   const double dense = 1.7e-2 * rim * rim, far = 2e-3 * (1 + 3 * std::min(1.0, rim / 0.024));
   const double in_plane = std::max(2 * dense / tol, far / (25 * tol));
   const double finest = phase / 2.5 * sin_theta * std::pow(in_plane, 0.25);
-  int subdivision = std::clamp(static_cast<int>(std::ceil(finest)), 1, kMostSubdivision);
+  // In-plane phases alone must stay within half a period, whatever that takes.
+  const double half_period = phase * sin_theta / std::numbers::pi;
+  const int least =
+      std::max(std::clamp(static_cast<int>(std::ceil(finest)), 1, kMostSubdivision),
+               static_cast<int>(std::min<double>(std::ceil(half_period * (1 - 1e-9)), kMostPeriods)));
 
-  const auto kinked = [&](int n) {
+  const auto kinked = [&](int n, std::size_t end) {
     constexpr double kKink = 4e-3;
     const double across = phase / n;
-    return kKink * std::pow(across, 4) * relief.typical_sine * relief.kinks(std::numbers::pi / across);
+    return kKink * std::pow(across, 4) * relief.typical_sine() * relief.kinks(std::numbers::pi / across, end);
   };
-  while (subdivision < kMostSubdivision && kinked(subdivision) > tol / 3)
-    ++subdivision;
+  // Multiply-adds a cell and term: a lattice point is spread along x and, by rows, along y; a facet's point
+  // onto all of its neighbours, after its place and its kernel have been worked out.
+  const int w = demands.kernel_width;
+  const auto lattice_cost = [&](int n) { return 3. * n * n * (w + 4); };
+  const double point_cost = 1.5 * w * w + 100;
 
-  const auto aliased = [&](int n) {
-    const double turns = 2 * std::numbers::pi * n / phase;
-    // In-plane phases alone must stay within half a period.
-    if (turns < 2 * sin_theta) return 1.0;
-    return relief.fraction_above(steepest_slope(turns, sin_theta));
-  };
-  // Cliffs are few and their light goes everywhere: beyond 4 the measured error decides.
-  constexpr int kMost = 4096;
-  while (subdivision < kMost && aliased(subdivision) > (subdivision < 4 ? 2 * tol : 0.1))
-    ++subdivision;
-  return subdivision;
+  // So few cells have to go that the points of the others fit into memory.
+  const double cells = static_cast<double>(surface.rows()) * static_cast<double>(surface.cols());
+  const std::size_t fewest = relief.first_within(kMostSteepPoints / cells);
+  // Close to a whole period the law of kinks is too kind.
+  constexpr double kOfPeriod = 0.7, kOfPeriodInBulk = 0.25;
+  Subdivision best{least, 0};
+  double least_cost = std::numeric_limits<double>::infinity();
+  for (int n = least; n <= kMostPeriods && lattice_cost(n) < least_cost; ++n) {
+    const double limit = steepest_slope(kOfPeriod * 2 * std::numbers::pi * n / phase, sin_theta);
+    const std::size_t all = relief.up_to(limit);
+    if (all < fewest) continue;
+    // Where most is steep, errors may add up coherently.
+    const double bulk = kOfPeriodInBulk * 2 * std::numbers::pi * n / phase;
+    if (4 * relief.up_to(bulk) < 3 * relief.size() && n < kMostSubdivision) continue;
+    std::size_t end = all;
+    if (kinked(n, all) > tol / 3) {
+      if (kinked(n, fewest) > tol / 3 && n < kMostSubdivision) continue;
+      std::size_t too_many = all;
+      end = fewest;
+      while (too_many - end > 1) {
+        const std::size_t middle = (too_many + end) / 2;
+        (kinked(n, middle) <= tol / 3 ? end : too_many) = middle;
+      }
+    }
+    const double cost = lattice_cost(n) + point_cost * relief.facet_points(end);
+    if (!(cost < least_cost)) continue;
+    least_cost = cost;
+    best = {n, end == all ? limit : relief.slope(end)};
+  }
+  return best;
 }
 
 }  // namespace micro

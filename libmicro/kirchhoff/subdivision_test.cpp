@@ -7,6 +7,7 @@
 
 #include "kirchhoff/kirchhoff.h"
 #include "kirchhoff/spectral.h"
+#include "testing/cosine_surface.h"
 #include "testing/exact_table.h"
 
 namespace micro {
@@ -50,15 +51,31 @@ TEST(Subdivision, CoarseGridsAreRightToTolerance) {
   }
 }
 
-// Whole disk: √(1 + s²)·|q|·d ≤ 2π·n for all but a fraction of the facets.
+// A few cliffs do not make the lattice finer: they are integrated one by one.
+TEST(Subdivision, LeavesCliffsOut) {
+  const double phase = 4 * std::numbers::pi / kLambdaQ * 0.11;
+  HeightField surface = testing::make_gaussian_surface({}, 3);
+  const Subdivision smooth = choose_subdivision(surface, {phase, 1, 1e-3});
+  surface.z.rightCols(20) += 10;
+  const Subdivision stepped = choose_subdivision(surface, {phase, 1, 1e-3});
+  EXPECT_LE(stepped.n, smooth.n);
+  EXPECT_LT(stepped.steepest, 10 / 0.11);
+  const KirchhoffTable table = spectral_table(surface, {33, 1}, kLambdaQ, 1e-3);
+  EXPECT_TRUE(table.reached);
+  EXPECT_GT(table.work.steep_points, 0);
+}
+
+// Whole disk: √(1 + s²)·|q|·d ≤ 2π·n for all facets that the lattice keeps.
 TEST(Subdivision, KeepsTheFacetsOfAWholeDiskFromAliasing) {
   HeightField ramp{Grid<float>(30, 30), 0.4, 0.4, 0};
   for (Eigen::Index j = 0; j < ramp.rows(); ++j)
     for (Eigen::Index i = 0; i < ramp.cols(); ++i)
       ramp.z(j, i) = static_cast<float>(2 * 0.4 * static_cast<double>(i));
   const double phase = 4 * std::numbers::pi / kLambdaQ * 0.4;
-  const int n = choose_subdivision(ramp, {phase, 1, 1e-3});
-  EXPECT_GE(2 * std::numbers::pi * n, phase * std::sqrt(1 + 2. * 2));
+  const Subdivision chosen = choose_subdivision(ramp, {phase, 1, 1e-3});
+  EXPECT_GE(2 * std::numbers::pi * chosen.n,
+            phase * std::sqrt(1 + chosen.steepest * chosen.steepest) * (1 - 1e-12));
+  EXPECT_GT(chosen.steepest, 2) << "where everything is steep, the lattice is cheaper";
 }
 
 }  // namespace

@@ -80,8 +80,9 @@ ScatterTable<Real> prepared(ScatterTable<Real> table, const std::vector<double>&
 }
 
 template <typename Real>
-SpreadProblem<Real> make_problem(const QuadratureLattice& lattice, const FunctionTable<Real>& functions,
+SpreadProblem<Real> make_problem(const SurfaceQuadrature& quadrature, const FunctionTable<Real>& functions,
                                  const SpectrumAxis& x, const SpectrumAxis& y) {
+  const QuadratureLattice& lattice = quadrature.lattice;
   const std::vector<double> factor_x = preparation(x), factor_y = preparation(y);
   const auto gather = [&](const SpectrumAxis& axis, double spacing, int offset, int step,
                           std::int64_t sources, const std::vector<double>& factor) {
@@ -99,6 +100,8 @@ SpreadProblem<Real> make_problem(const QuadratureLattice& lattice, const Functio
   problem.gather_y = gather(y, lattice.dy(), 0, 1, lattice.rows(), factor_y);
   problem.scatter_x =
       prepared(make_scatter<Real>(x.gridding, lattice.dx(), lattice.cols(), x.begin, x.end), factor_x);
+  problem.steep = make_point_scatter<Real>(quadrature.steep, {x.gridding, x.begin, x.end, factor_x},
+                                           {y.gridding, y.begin, y.end, factor_y});
   return problem;
 }
 
@@ -145,7 +148,7 @@ std::int64_t TermSpectra<Real>::bytes_per_term(const SpectrumAxis& x, const Spec
 }
 
 template <typename Real>
-TermSpectra<Real>::TermSpectra(const QuadratureLattice& lattice, const HeightHistogram& heights,
+TermSpectra<Real>::TermSpectra(const SurfaceQuadrature& quadrature, const HeightHistogram& heights,
                                const NestedTerms& terms, double phase_reach, const TermBatch& batch,
                                const SpectrumAxis& x, const SpectrumAxis& y,
                                FftVector<std::complex<Real>>& memory)
@@ -159,13 +162,13 @@ TermSpectra<Real>::TermSpectra(const QuadratureLattice& lattice, const HeightHis
       memory_(memory) {
   const auto size = static_cast<std::size_t>(x_.count() * 2 * fields_ * padded_rows_);
   if (memory_.size() < size) memory_.resize(size);
-  transform_rows(lattice, make_function_table<Real>(terms, heights, phase_reach, batch));
+  transform_rows(quadrature, make_function_table<Real>(terms, heights, phase_reach, batch));
 }
 
 template <typename Real>
-void TermSpectra<Real>::transform_rows(const QuadratureLattice& lattice,
+void TermSpectra<Real>::transform_rows(const SurfaceQuadrature& quadrature,
                                        const FunctionTable<Real>& functions) {
-  SpreadProblem<Real> area = make_problem(lattice, functions, x_, y_);
+  SpreadProblem<Real> area = make_problem(quadrature, functions, x_, y_);
   area.sources = SpreadSources::Area;
   SpreadProblem<Real> rim = area;
   rim.sources = SpreadSources::Rim;

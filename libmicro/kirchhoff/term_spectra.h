@@ -6,7 +6,7 @@
 #include "core/fft.h"
 #include "kirchhoff/gridding.h"
 #include "kirchhoff/nested_terms.h"
-#include "kirchhoff/quadrature_lattice.h"
+#include "kirchhoff/steep_facets.h"
 #include "kirchhoff/spread.h"
 
 namespace micro {
@@ -76,7 +76,7 @@ class TermSpectra {
   static std::int64_t bytes_per_term(const SpectrumAxis& x, const SpectrumAxis& y);
 
   /// `memory` holds the rows' spectra, and may serve one surface after the other.
-  TermSpectra(const QuadratureLattice& lattice, const HeightHistogram& heights, const NestedTerms& terms,
+  TermSpectra(const SurfaceQuadrature& quadrature, const HeightHistogram& heights, const NestedTerms& terms,
               double phase_reach, const TermBatch& batch, const SpectrumAxis& x, const SpectrumAxis& y,
               FftVector<std::complex<Real>>& memory);
 
@@ -92,7 +92,7 @@ class TermSpectra {
   std::complex<Real>* row_spectra(std::int64_t column, int field) const {
     return &memory_[static_cast<std::size_t>(((column + x_.reach) * 2 * fields_ + field) * padded_rows_)];
   }
-  void transform_rows(const QuadratureLattice& lattice, const FunctionTable<Real>& functions);
+  void transform_rows(const SurfaceQuadrature& quadrature, const FunctionTable<Real>& functions);
   void transform_column(std::int64_t column, std::complex<Real>* buffer) const;
   void unpack(const std::complex<Real>* plus, const std::complex<Real>* minus, std::int64_t column,
               TermColumns<Real>& result) const;
