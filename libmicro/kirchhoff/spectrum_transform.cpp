@@ -120,7 +120,8 @@ class Pass {
   /// Calls flush(tile, memory, sphere) for each tile of each sphere.
   template <typename Flush>
   void operator()(std::vector<Sphere<Real>>& spheres, const Flush& flush) const {
-    std::int32_t first = 0, last = 0, last_row = 0;
+    std::int32_t first = spheres.front().x.start.front(), last = spheres.front().x.start.back() + 1,
+                 last_row = spheres.front().y.start.back() + 1;
     for (const Sphere<Real>& sphere : spheres) {
       first = std::min(first, sphere.x.start.front());
       last = std::max(last, sphere.x.start.back() + 1);

@@ -69,9 +69,9 @@ void interpolate_along_x(const SphereTile<Real>& tile, std::int64_t rows, TileMe
   for (std::int64_t row = 0; row < rows; ++row) {
     combine_row(tile, first_row + row, first, last, memory.row.data());
     for (int kx = tile.kx_begin; kx < tile.kx_end; ++kx) {
-      const Real* in = &memory.row[static_cast<std::size_t>((tile.x->start[kx] - first) * numbers)];
+      const Real* in = memory.row.data() + (tile.x->start[kx] - first) * numbers;
       const Real* weight = &tile.x->weight[static_cast<std::size_t>(kx) * width];
-      Real* out = &memory.along_x[static_cast<std::size_t>(((kx - tile.kx_begin) * rows + row) * numbers)];
+      Real* out = memory.along_x.data() + ((kx - tile.kx_begin) * rows + row) * numbers;
       int k = 0;
       for (; k + 4 * kLanes <= numbers; k += 4 * kLanes)
         weigh<4>(weight, width, in + k, numbers, out + k);
@@ -89,7 +89,7 @@ void sum_node(const SphereTile<Real>& tile, double qz, const Real* weight, const
   const double position = (qz - table.low) * table.per_q;
   const int entry = std::clamp(static_cast<int>(position), 0, table.entries - 2);
   const auto t = hn::Set(d, static_cast<Real>(position - entry));
-  const Real* c = &table.data[static_cast<std::size_t>(entry) * 2 * table.padded];
+  const Real* c = table.data.data() + std::int64_t{entry} * 2 * table.padded;
   auto rr = hn::Zero(d), ii = rr, ri = rr, ir = rr;
   for (int k = 0; k < terms; k += lanes) {
     auto re = hn::Zero(d), im = re;
@@ -131,7 +131,7 @@ void evaluate(const SphereTile<Real>& tile, TileMemory<Real>& memory) {
   grow(memory.field, columns * nodes * 4);
   interpolate_along_x(tile, rows, memory);
   for (int kx = tile.kx_begin; kx < tile.kx_end; ++kx) {
-    const Real* column = &memory.along_x[static_cast<std::size_t>((kx - tile.kx_begin) * rows) * numbers];
+    const Real* column = memory.along_x.data() + (kx - tile.kx_begin) * rows * numbers;
     Real* out = &memory.field[static_cast<std::size_t>(kx - tile.kx_begin) * nodes * 4];
     for (int ky = tile.ky_begin; ky < tile.ky_end; ++ky, out += 4) {
       const double qx = kx * tile.spacing, qy = ky * tile.spacing;

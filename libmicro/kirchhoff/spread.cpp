@@ -43,7 +43,7 @@ HWY_INLINE Interpolation<Real> locate(const FunctionTable<Real>& table, float z,
   const double position = (static_cast<double>(z) - table.low) * table.per_height;
   const int index = std::clamp(static_cast<int>(position), 0, table.entries - 2);
   const Real t = static_cast<Real>(position - index), s = 1 - t;
-  return {&table.data[static_cast<std::size_t>(index) * 2 * table.padded], factor * s * s * (1 + 2 * t),
+  return {table.data.data() + std::int64_t{index} * 2 * table.padded, factor * s * s * (1 + 2 * t),
           factor * s * s * t, factor * t * t * (3 - 2 * t), -factor * t * t * s};
 }
 
@@ -343,8 +343,8 @@ RowSpreader<Real>::RowSpreader(const SpreadProblem<Real>& p)
       static_cast<double>(p.lattice->cols()) / static_cast<double>(std::max<std::int64_t>(p.grid_cols, 1));
   const double col_bytes =
       std::max(sources_per_col, 1.) * static_cast<double>(p.functions->padded) * sizeof(Real);
-  constexpr std::int64_t kFewestCols = 32, kMostCols = 256;
-  block_cols = std::clamp(static_cast<std::int64_t>(kBlockBytes / col_bytes), kFewestCols, kMostCols);
+  constexpr double kFewestCols = 32, kMostCols = 256;
+  block_cols = static_cast<std::int64_t>(std::clamp(kBlockBytes / col_bytes, kFewestCols, kMostCols));
   const auto block = static_cast<std::size_t>(block_cols * p.functions->padded);
   for (int b = 0; b < kBatchRows; ++b) {
     block_rows[b].resize(block);

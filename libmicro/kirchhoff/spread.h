@@ -59,9 +59,7 @@ class RowSpreader {
 
   // For the kernels that are compiled once per instruction set.
   std::int64_t row_size() const { return problem.grid_cols * problem.functions->padded; }
-  Real* open_row(std::int64_t entry) {
-    return &open[static_cast<std::size_t>(entry % open_rows * row_size())];
-  }
+  Real* open_row(std::int64_t entry) { return open.data() + entry % open_rows * row_size(); }
   const SpreadProblem<Real>& problem;
   LatticeRow lattice_rows[kBatchRows];
   bool rim[kBatchRows] = {};                   ///< whether a lattice row's rim has n_y ≠ 0

@@ -181,9 +181,8 @@ void TermSpectra<Real>::transform_rows(const SurfaceQuadrature& quadrature,
       std::fill(rows.begin(), rows.end(), Real(0));
       for (std::int64_t row = 0; row < kRowGroup && group * kRowGroup + row < y_.points(); ++row) {
         const std::int64_t m = y_.begin + group * kRowGroup + row;
-        std::copy_n(spread_area.row(m), row_size, &rows[static_cast<std::size_t>(row * row_size)]);
-        std::copy_n(spread_rim.row(m), row_size,
-                    &rows[static_cast<std::size_t>((kRowGroup + row) * row_size)]);
+        std::copy_n(spread_area.row(m), row_size, rows.data() + row * row_size);
+        std::copy_n(spread_rim.row(m), row_size, rows.data() + (kRowGroup + row) * row_size);
       }
       for (int field = 0; field < 2 * fields_; ++field) {
         std::fill(buffers.begin(), buffers.end(), std::complex<Real>(0));

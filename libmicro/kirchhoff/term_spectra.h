@@ -6,8 +6,8 @@
 #include "core/fft.h"
 #include "kirchhoff/gridding.h"
 #include "kirchhoff/nested_terms.h"
-#include "kirchhoff/steep_facets.h"
 #include "kirchhoff/spread.h"
+#include "kirchhoff/steep_facets.h"
 
 namespace micro {
 
@@ -63,7 +63,7 @@ struct TermColumns {
   int padded;                                ///< terms, a multiple of kTermLanes
   FftVector<Real> data;
   const Real* at(std::int64_t column, std::int64_t row) const {
-    return &data[static_cast<std::size_t>(((column - first_column) * rows + row) * 4 * padded)];
+    return data.data() + ((column - first_column) * rows + row) * 4 * padded;
   }
 };
 

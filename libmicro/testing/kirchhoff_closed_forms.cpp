@@ -14,7 +14,7 @@ double sinc(double x) {
 
 /// ∫₀^L e^{−ikx} dx.
 Complex wave_integral(double k, double length) {
-  return std::polar(length * sinc(k * length / 2), -k * length / 2);
+  return length * sinc(k * length / 2) * std::polar(1.0, -k * length / 2);
 }
 
 }  // namespace
