@@ -17,6 +17,10 @@ namespace {
 constexpr Eigen::Index kWhole = 4096, kPart = 2048;
 /// A coarse texel is fitted to what it covers this many levels finer: 64 lobes.
 constexpr int kFiner = 3;
+/// Every 2^kSparse-th texel of the finest level is kept along either axis: what the coarsest levels are
+/// judged by. A part holds whole texels of the others.
+constexpr int kSparse = 5, kJudgedBySparse = 11;
+static_assert(Eigen::Index{1} << kJudgedBySparse == kPart);
 
 const std::vector<std::string> kParameters = {"alpha.x", "alpha.y", "theta.x", "theta.y", "theta.z"};
 
@@ -97,17 +101,22 @@ class TextureDatasets {
   Hdf5Writer& file_;
 };
 
-/// Misfits of some texels of a level, against what they cover.
+/// Misfits of some texels of a level, against the lobes of the finest that they cover: those of `finer`,
+/// `finer_by` levels finer, which may be less than the whole.
 LevelMisfit misfit_of_level(const TextureField& coarse, const TextureField& finer, int level, int finer_by) {
-  constexpr Eigen::Index kTexels = 32;
+  constexpr Eigen::Index kMost = 4096;                  // lobes of a texel
+  constexpr Eigen::Index kTexels = 32, kFewTexels = 4;  // the latter from 64² lobes on
+  constexpr int kLarge = 6;
   LevelMisfit result{
       .level = level, .rows = coarse[0].rows(), .cols = coarse[0].cols(), .refitted = {}, .averaged = {}};
-  const Eigen::Index count = coarse[0].size(), judged = std::min(kTexels, count);
+  const Eigen::Index rows = level_size(finer[0].rows(), finer_by),
+                     cols = level_size(finer[0].cols(), finer_by), count = rows * cols;
+  const Eigen::Index judged = std::min(finer_by < kLarge ? kTexels : kFewTexels, count);
   std::vector<std::array<Misfit, 2>> each(static_cast<std::size_t>(judged));
   parallel_for(judged, [&](std::int64_t k) {
     const Eigen::Index texel = k * count / judged;
-    const Eigen::Index j = texel / coarse[0].cols(), i = texel % coarse[0].cols();
-    const std::vector<SlopeFrame> lobes = covered(finer, finer_by, j, i);
+    const Eigen::Index j = texel / cols, i = texel % cols;
+    const std::vector<SlopeFrame> lobes = covered(finer, finer_by, j, i, kMost);
     SlopeCoordinates p;
     for (std::size_t c = 0; c < kChannels; ++c)
       p[c] = coarse[c](j, i);
@@ -166,12 +175,13 @@ class CoarseLevels {
  public:
   /// `levels` counts the finest; `picture` has to outlive this.
   CoarseLevels(const TextureSize& size, int levels, ExrTextureWriter& picture)
-      : picture_(picture), kept_(static_cast<std::size_t>(levels)) {
+      : size_(size), picture_(picture), kept_(static_cast<std::size_t>(levels)) {
+    sparse_ = empty_field(level_size(size.rows, kSparse), level_size(size.cols, kSparse));
     for (int level = kFiner; level < levels; ++level)
       kept(level) = empty_field(level_size(size.rows, level), level_size(size.cols, level));
   }
 
-  /// What a part of the finest level covers; its misfits are judged on the first part.
+  /// What a part of the finest level covers.
   void add(const TexturePart& part, const TextureField& field) {
     for (int level = 1; level <= std::min(kFiner, last()); ++level) {
       const TextureField coarse = minified(field, level);
@@ -184,14 +194,21 @@ class CoarseLevels {
       else if (level == last())
         kept(level) = coarse;
     }
+    const Eigen::Index step = Eigen::Index{1} << kSparse;
+    for (std::size_t c = 0; c < kChannels; ++c)
+      for (Eigen::Index j = 0; j < part.rows; j += step)
+        for (Eigen::Index i = 0; i < part.cols; i += step)
+          sparse_[c]((part.row + j) / step, (part.col + i) / step) = field[c](j, i);
   }
 
-  /// After every part: the levels beyond kFiner.
-  void finish() {
+  /// After every part: the levels beyond kFiner. `first` is the first part.
+  void finish(const TextureField& first) {
     for (int level = kFiner + 1; level <= last(); ++level) {
       const int by = std::min(kFiner, level - kFiner);
-      kept(level) = minified(kept(level - by), by);
-      misfits_.push_back(misfit_of_level(kept(level), kept(level - by), level, by));
+      kept(level) = minified(kept(level - by), by, size_, level - by);
+      misfits_.push_back(level < kJudgedBySparse
+                             ? misfit_of_level(kept(level), first, level, level)
+                             : misfit_of_level(kept(level), sparse_, level, level - kSparse));
       write(level, 0, 0, kept(level));
     }
   }
@@ -212,8 +229,10 @@ class CoarseLevels {
     picture_.write(level, row, col, planes_of(parameters_of(field), field[0].rows(), field[0].cols()));
   }
 
+  TextureSize size_;
   ExrTextureWriter& picture_;
   std::vector<TextureField> kept_;
+  TextureField sparse_;
   std::vector<LevelMisfit> misfits_;
 };
 
@@ -256,11 +275,13 @@ std::string basis_of(const TextureModel& model) {
 Plan plan_of(const TextureSummary& summary, const RequestNames& names, const TextureModel& model,
              int levels) {
   const TextureSize& size = summary.request.size;
+  const std::string minification = summary.request.levels == TextureRequest::Levels::Finest ? "--no-levels"
+                                   : levels == 1 ? "one texel has no coarser level"
+                                                 : std::to_string(levels) + " levels, each texel refitted";
   return {ran("texture", std::to_string(size.rows) + " x " + std::to_string(size.cols) + " texels, " +
                              names.recipe + basis_of(model) + ", marginals " + names.marginals + ", taper " +
                              names.taper + (summary.in_parts ? ", by parts" : "")),
-          stage_if(levels > 1, "minification",
-                   levels > 1 ? std::to_string(levels) + " levels, each texel refitted" : "not asked for")};
+          stage_if(levels > 1, "minification", minification)};
 }
 
 }  // namespace
@@ -297,6 +318,7 @@ TextureSummary write_texture(const Texels& texels, const TextureRequest& request
   TextureDatasets datasets(file, size);
   CoarseLevels coarse(size, levels, picture);
   const Eigen::Index step = summary.in_parts ? kPart : kWhole;
+  TextureField first;
   for (Eigen::Index row = 0; row < size.rows; row += step)
     for (Eigen::Index col = 0; col < size.cols; col += step) {
       const TexturePart part = {row, col, std::min(step, size.rows - row), std::min(step, size.cols - col)};
@@ -306,10 +328,13 @@ TextureSummary write_texture(const Texels& texels, const TextureRequest& request
       const std::vector<float> parameters = parameters_of(field);
       datasets.write(part, field, parameters);
       picture.write(0, row, col, planes_of(parameters, part.rows, part.cols));
-      if (row == 0 && col == 0) summary.picture = texture_picture(exemplar, field);
-      coarse.add(part, field);
+      if (levels > 1) coarse.add(part, field);
+      if (row == 0 && col == 0) {
+        summary.picture = texture_picture(exemplar, field);
+        first = std::move(field);
+      }
     }
-  coarse.finish();
+  coarse.finish(first);
   picture.finish();
   summary.misfits = coarse.misfits();
   if (levels > 1) summary.coarsest = coarse.coarsest();

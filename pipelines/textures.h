@@ -25,8 +25,9 @@ struct TextureRequest {
   enum class Levels { Finest, All } levels = Levels::All;
 };
 
-/// How a level misfits the lobes it was fitted to, those of three levels finer or of the finest, as a mean
-/// over some of its texels: the refitted lobe, and beside it what averaged parameters would give.
+/// How a level misfits the lobes of the finest that it covers, as a mean over some of its texels: the
+/// refitted lobe, and beside it what averaged parameters would give. Of many lobes 4096 or fewer stand for
+/// all.
 struct LevelMisfit {
   int level = 0;
   Eigen::Index rows = 0, cols = 0;
