@@ -1,6 +1,7 @@
 #include "tools/listing_output.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <iostream>
 
 #include "core/error.h"
@@ -20,6 +21,16 @@ void require_scans(const ScanListing& listing, const std::vector<std::string>& p
     what += ")";
   }
   throw InputError(what);
+}
+
+nlohmann::json report_failed(const std::vector<ScanRecord>& scans) {
+  nlohmann::json failed = nlohmann::json::array();
+  for (const ScanRecord& scan : scans) {
+    if (!scan.failure) continue;
+    std::fprintf(stderr, "microbrdf: %s: %s\n", scan.source.c_str(), scan.failure->c_str());
+    failed.push_back({{"source", scan.source}, {"message", *scan.failure}});
+  }
+  return failed;
 }
 
 nlohmann::json skipped_json(const ScanListing& listing) {

@@ -5,11 +5,15 @@
 #include <vector>
 
 #include "pipelines/scan_listing.h"
+#include "pipelines/scan_record.h"
 
 namespace micro::tools {
 
 /// Throws InputError, with a sentence, if the listing of `paths` holds no scan.
 void require_scans(const ScanListing& listing, const std::vector<std::string>& paths);
+
+/// Says on stderr which scans failed and why; the same as [{"source", "message"}, …].
+nlohmann::json report_failed(const std::vector<ScanRecord>& scans);
 
 /// What was skipped: [{"source", "reason"}, …].
 nlohmann::json skipped_json(const ScanListing& listing);

@@ -182,16 +182,8 @@ std::function<void(const Progress&)> progress_line(const CommonOptions& options)
 
 int conclude(const NdfResult& result, const ScanListing& listing, const CommonOptions& options,
              const std::filesystem::path& output) {
-  std::size_t done = 0;
-  nlohmann::json failed = nlohmann::json::array();
-  for (const ScanRecord& scan : result.scans) {
-    if (!scan.failure) {
-      ++done;
-      continue;
-    }
-    std::fprintf(stderr, "microbrdf: %s: %s\n", scan.source.c_str(), scan.failure->c_str());
-    failed.push_back({{"source", scan.source}, {"message", *scan.failure}});
-  }
+  const nlohmann::json failed = report_failed(result.scans);
+  const std::size_t done = result.scans.size() - failed.size();
   if (options.json) {
     const auto number = [](double value) {
       return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();

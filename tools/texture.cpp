@@ -112,11 +112,8 @@ nlohmann::json to_json(const TextureSummary& texture, const std::filesystem::pat
           {"seconds", texture.seconds}};
 }
 
-nlohmann::json summary_of(const Texels& texels, const ScanListing& listing,
+nlohmann::json summary_of(const Texels& texels, const ScanListing& listing, const nlohmann::json& failed,
                           const std::filesystem::path& output) {
-  nlohmann::json failed = nlohmann::json::array();
-  for (const ScanRecord& scan : texels.scans)
-    if (scan.failure) failed.push_back({{"source", scan.source}, {"message", *scan.failure}});
   return {{"output", output.string()},
           {"scans", texels.scans.size() - failed.size()},
           {"failed", failed},
@@ -140,12 +137,7 @@ int run(const Options& options, const CLI::App& app) {
   const TexelLayout layout = lay_out(listing, layout_rule_of(options));  // refuses before there is a folder
   const OutputLock lock(output);
   Texels texels = texels_of_scans(listing, layout, request, progress_line(options.common));
-  bool failed = false;
-  for (const ScanRecord& scan : texels.scans) {
-    if (!scan.failure) continue;
-    failed = true;
-    std::fprintf(stderr, "microbrdf: %s: %s\n", scan.source.c_str(), scan.failure->c_str());
-  }
+  const nlohmann::json failed = report_failed(texels.scans);
   if (texels.count() == 0) throw InputError("no scan gave a texel");
   const std::filesystem::path result = output / "texture.h5";
   // What an earlier run left would contradict this one's result.
@@ -168,7 +160,7 @@ int run(const Options& options, const CLI::App& app) {
   file.write_text("/plan", to_json(texels.plan));
   file.finish();
   if (options.common.json) {
-    nlohmann::json summary = summary_of(texels, listing, result);
+    nlohmann::json summary = summary_of(texels, listing, failed, result);
     if (texture) summary["texture"] = to_json(*texture, exr);
     print_json(summary);
   } else {
@@ -182,7 +174,7 @@ int run(const Options& options, const CLI::App& app) {
     }
     std::printf("%s\n", result.c_str());
   }
-  return failed ? kSomeFailed : kDone;
+  return failed.empty() ? kDone : kSomeFailed;
 }
 
 }  // namespace
