@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/estimate.h"
 #include "core/parallel.h"
+#include "io/sha256.h"
 #include "pipelines/finish_sums.h"
 #include "pipelines/ndf_grids.h"
 #include "pipelines/pitch_groups.h"
@@ -164,6 +165,18 @@ void gather(const ScanListing& listing, const NdfRequest& request, const Estimat
       });
 }
 
+/// Whether a file holds what it held when it was looked at; if not, that is the record's failure.
+bool is_as_before(const std::filesystem::path& path, ScanRecord& record) {
+  try {
+    if (sha256_of_file(path) == record.sha256) return true;
+  } catch (const FileError&) {
+    // It is gone, or cannot be read any more.
+  }
+  record.failure = "changed between two readings: the spectrum leaves it out, other tables hold what it was";
+  record.sha256.clear();  // so that a checkpoint does not take it for looked at
+  return false;
+}
+
 /// Then the spectrum, of the scans that had no failure. `listing` is that of all shards.
 void gather_spectrum(const ScanListing& listing, const ScanListing& own, const NdfRequest& request,
                      RunSums& sums, Steps& steps) {
@@ -173,7 +186,7 @@ void gather_spectrum(const ScanListing& listing, const ScanListing& own, const N
   const auto total = static_cast<std::int64_t>(own.scans.size());
   add_spectra(
       *sums.spectrum, own, request.prepare, *request.spectrum,
-      [&](std::size_t k) { return !sums.scans[k].failure; },
+      [&](std::size_t k) { return !sums.scans[k].failure && is_as_before(own.scans[k].path, sums.scans[k]); },
       [&](std::size_t k, const std::string& refusal) {
         if (!refusal.empty() && request.unfit == NdfRequest::Unfit::Fail) sums.scans[k].failure = refusal;
         steps.after(static_cast<std::int64_t>(k) + 1, total, sums);

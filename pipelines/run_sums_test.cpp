@@ -169,6 +169,24 @@ TEST_F(RunSumsOfScans, ChangesAreNoticed) {
   EXPECT_EQ(run({.checkpoint = checkpoint()}).resumed, 0);
 }
 
+TEST_F(RunSumsOfScans, AScanThatChangesBeforeTheSpectrumIsNamed) {
+  const NdfResult before = run();
+  for (const bool gone : {false, true}) {
+    SetUp();
+    const NdfResult result = ndf_of_scans(list_scans({scans()}), request(), [&](const Progress& progress) {
+      if (progress.done != progress.total) return;  // all seven are looked at, the spectrum comes
+      if (gone)
+        fs::remove(scan(5));
+      else
+        write(5, gaussian_surface({24, 20, 0.2, 0.2}, {.rms = 0.2, .tau_x = 1.5, .tau_y = 1.5}, 99));
+    });
+    EXPECT_NE(result.scans[5].failure.value_or("").find("changed"), std::string::npos);
+    ASSERT_TRUE(result.spectrum && before.spectrum);
+    EXPECT_EQ(result.spectrum->mean.count(), before.spectrum->mean.count() - 1);
+    EXPECT_TRUE((result.ndfs[0].density.density == before.ndfs[0].density.density).all());
+  }
+}
+
 TEST_F(RunSumsOfScans, ACheckpointThatWasCutIsWorthNothing) {
   stop_after(3);
   const auto size = fs::file_size(checkpoint());
