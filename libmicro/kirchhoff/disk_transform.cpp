@@ -110,7 +110,7 @@ FunctionTable<Real> make_function_table(const HeightBasis& basis, const HeightHi
   table.on_rim.assign(static_cast<std::size_t>(table.padded), 1);
   const HeightBasis::Functions f = basis.functions(table.entries, batch.first, batch.count);
   for (int e = 0; e < table.entries; ++e) {
-    Real* value = &table.data[static_cast<std::size_t>(e) * 2 * table.padded];
+    Real* value = table.data.data() + std::int64_t{e} * 2 * table.padded;
     for (int k = 0; k < batch.count; ++k) {
       value[k] = static_cast<Real>(f.value(e, k));
       value[table.padded + k] = static_cast<Real>(f.derivative(e, k));

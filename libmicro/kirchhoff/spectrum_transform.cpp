@@ -77,7 +77,7 @@ TermCoefficients<Real> make_coefficients(const NestedTerms& terms, double phase_
   const Eigen::ArrayXXcd c = terms.coefficients(table.entries, batch.first, batch.count);
   const int skipped = batch.with_area ? 1 : 0;
   for (int e = 0; e < table.entries; ++e) {
-    Real* at = &table.data[static_cast<std::size_t>(e) * 2 * table.padded];
+    Real* at = table.data.data() + std::int64_t{e} * 2 * table.padded;
     for (int k = 0; k < batch.count; ++k) {
       at[skipped + k] = static_cast<Real>(c(e, k).real());
       at[table.padded + skipped + k] = static_cast<Real>(c(e, k).imag());
