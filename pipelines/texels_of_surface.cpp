@@ -49,7 +49,7 @@ Texel texel_of(const SlopeBlock& zx, const SlopeBlock& zy, const TexelCut& cut, 
 }  // namespace
 
 SurfaceTexels texels_of_surface(const HeightField& surface, const TexelCut& cut) {
-  constexpr Eigen::Index kBandPoints = 1 << 22;  // 64 MB of slopes
+  constexpr Eigen::Index kBandPoints = 1 << 24;  // 256 MB of slopes: less of them is computed twice
   const Eigen::Index rows = cut.rows > 0 ? cut.rows : surface.rows(),
                      cols = cut.cols > 0 ? cut.cols : surface.cols();
   SurfaceTexels result;
