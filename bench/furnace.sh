@@ -2,7 +2,7 @@
 # Takes the filtered NDF and D_K of scans through reciprocity and the white furnace, and writes what they say
 # into docs/brdf.md:
 #   bench/furnace.sh SCAN...
-# Takes a minute on two cores for a dozen scans.
+# Takes some ten minutes for fifteen scans.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 build microbrdf
