@@ -87,9 +87,9 @@ void measure_spectral(KirchhoffCosts& costs) {
   }
   const Eigen::VectorXd fit =
       laws.colPivHouseholderQr().solve(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(cases.size())));
-  costs.spectral_spread = fit[0];
-  costs.spectral_butterfly = fit[1];
-  costs.spectral_node = fit[2];
+  costs.spectral.spread = fit[0];
+  costs.spectral.butterfly = fit[1];
+  costs.spectral.node = fit[2];
   const HeightField surface = surface_of(480, 640, 0.3);
   costs.spectral_surface = seconds(5, [&] { choose_spectral(surface, {}, kLambda, 1e-3); }) /
                            static_cast<double>(surface.z.size());
@@ -115,9 +115,9 @@ int main() {
   constant("exact_triangle", costs.exact_triangle, known.exact_triangle);
   constant("monte_carlo_point", costs.monte_carlo_point, known.monte_carlo_point);
   constant("monte_carlo_draw", costs.monte_carlo_draw, known.monte_carlo_draw);
-  constant("spectral_spread", costs.spectral_spread, known.spectral_spread);
-  constant("spectral_butterfly", costs.spectral_butterfly, known.spectral_butterfly);
-  constant("spectral_node", costs.spectral_node, known.spectral_node);
+  constant("spectral_spread", costs.spectral.spread, known.spectral.spread);
+  constant("spectral_butterfly", costs.spectral.butterfly, known.spectral.butterfly);
+  constant("spectral_node", costs.spectral.node, known.spectral.node);
   constant("spectral_surface", costs.spectral_surface, known.spectral_surface);
 
   std::printf("request,predicted_s,taken_s,ratio\n");

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <numbers>
 
 #include "core/grid.h"
 
@@ -22,6 +24,8 @@ struct DiskGrid {
     const double x = coordinate(i), y = coordinate(j);
     return 1 - x * x - y * y;
   }
+  /// sinθ of the outermost direction, in the table's corners.
+  double outermost_sine() const { return std::min(1.0, extent * std::numbers::sqrt2); }
   template <typename Archive>
   void persist(Archive& archive) {
     archive(size, extent);

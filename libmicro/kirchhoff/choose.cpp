@@ -52,15 +52,11 @@ double spectral_seconds(const Window& window, const DiskGrid& grid, const Kirchh
   const HeightField& surface = window.surface;
   const SpectralChoice choice = choose_spectral(surface, grid, request.lambda_q, request.tolerance);
   const SpectralWork work = predict_work(window, grid, request.lambda_q, choice);
-  const double length = static_cast<double>(work.fft_length),
-               nodes = static_cast<double>(grid.size) * grid.size,
+  const double nodes = static_cast<double>(grid.size) * grid.size,
                points = static_cast<double>(surface.z.size());
-  const double table =
-      costs.spectral_spread * work.spread +
-      costs.spectral_butterfly * static_cast<double>(work.transforms) * length * std::log2(length) +
-      costs.spectral_node * nodes * work.terms;
+  const double table = table_seconds(work, nodes, costs.spectral);
   return table * (sums_in_double(request.tolerance) ? 2 : 1) + costs.spectral_surface * points +
-         costs.exact_triangle * 2 * points * checked_nodes(surface, grid, choice, work);
+         costs.exact_triangle * 2 * points * checked_nodes(surface, grid, work);
 }
 
 std::string seconds_text(double seconds) {

@@ -8,6 +8,7 @@
 #include "distribution/disk_table.h"
 #include "kirchhoff/coherence.h"
 #include "kirchhoff/monte_carlo.h"
+#include "kirchhoff/spectral_work.h"
 
 namespace micro {
 
@@ -40,13 +41,11 @@ struct KirchhoffRequest {
 
 /// Seconds on one thread of an AVX2 core at 2.4 GHz. bench/kirchhoff_costs_bench measures them all again.
 struct KirchhoffCosts {
-  double exact_triangle = 10e-9;       ///< one triangle in one direction
-  double monte_carlo_point = 0.6e-9;   ///< one point in one direction
-  double monte_carlo_draw = 16e-9;     ///< placing the points of one triangle's stratum, for 512 directions
-  double spectral_spread = 0.1e-9;     ///< one multiply-add of spreading (SpectralWork::spread)
-  double spectral_butterfly = 0.1e-9;  ///< of a transform of n numbers, n·log2(n) of them
-  double spectral_node = 1e-9;         ///< one term at one node of the table
-  double spectral_surface = 10e-9;     ///< one point of the surface: its heights' histogram and slopes
+  double exact_triangle = 10e-9;      ///< one triangle in one direction
+  double monte_carlo_point = 0.6e-9;  ///< one point in one direction
+  double monte_carlo_draw = 16e-9;    ///< placing the points of one triangle's stratum, for 512 directions
+  SpectralCosts spectral;
+  double spectral_surface = 10e-9;  ///< one point of the surface: its heights' histogram and slopes
 };
 
 /// Predicted seconds; infinite where an estimator cannot serve the request.
@@ -60,7 +59,7 @@ struct KirchhoffPrediction {
 /// (q_⊥ and q_z∇z being as wide as the lobe), the mean of a rotated draw has the variance v = min(0.3 s⁴,
 /// 1/3), and Var F̂ = Σ|q·a_T|²·v(s/n)/n²; relative to the lobe's mean D = 1/(2π·slope²) the standard error is
 /// |q|·√(a_T v(s/n)/(4π²D))/n ≤ tolerance. Spectral: spreading, transforms and nodes of predict_work
-/// (disk_transform.h) for each window, and the exact nodes that its error is measured on; twice that where
+/// (spectral_work.h) for each window, and the exact nodes that its error is measured on; twice that where
 /// the tolerance takes double precision; infinite for chosen directions. Throws InputError if no window has a
 /// triangle.
 KirchhoffPrediction predict_seconds(std::span<const Window> windows, const KirchhoffRequest& request,

@@ -3,75 +3,27 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
-#include <sstream>
+#include <utility>
 
-#include "core/error.h"
 #include "core/fft.h"
 #include "core/parallel.h"
+#include "kirchhoff/disk_geometry.h"
+#include "kirchhoff/height_basis.h"
 #include "kirchhoff/kirchhoff.h"
 #include "kirchhoff/spread.h"
+#include "kirchhoff/surface_quadrature.h"
 
 namespace micro {
 namespace {
 
-using std::numbers::pi;
-
-/// Bytes of spectra along x that are held at once, and terms (tables of φ_k and c_k grow with them and with
-/// the height range): what bounds the memory.
-constexpr std::int64_t kSpectraBytes = std::int64_t{1} << 27;
+/// Bytes of spectra along x and of tables of φ_k and c_k that are held at once, and terms: what bounds the
+/// memory.
+constexpr std::int64_t kSpectraBytes = std::int64_t{1} << 27, kTableBytes = std::int64_t{1} << 28;
 constexpr std::int64_t kFewestTerms = 8, kMostTerms = 96;
 /// Grid rows transformed together, so that their spectra are written by cache lines.
 constexpr std::int64_t kRowGroup = 8;
 /// Groups of rows handed out together: the lattice rows at either end are spread twice.
 constexpr std::int64_t kBandGroups = 8;
-
-/// Numbers that all stages share. The origin of the grid is the surface's.
-struct Geometry {
-  double sphere;                                ///< |q|², rad²/µm²
-  double step;                                  ///< between nodes, rad/µm
-  double pitch;                                 ///< of the grid, µm
-  std::int64_t length;                          ///< of a transform: the grid's period
-  int half;                                     ///< c: nodes −c … c
-  std::int64_t x_begin, x_end, y_begin, y_end;  ///< grid points within reach of the sources
-  std::int64_t rows() const { return std::min(length, y_end - y_begin); }  ///< after folding
-  std::int64_t wrap(std::int64_t m) const { return ((m % length) + length) % length; }
-};
-
-/// Lengths whose transforms are fast: 2^a·{1, 3, 5, 9, 15}, a ≥ 4.
-std::int64_t transform_length(std::int64_t n) {
-  std::int64_t best = 16;
-  while (best < n)
-    best *= 2;
-  for (const std::int64_t odd : {3, 5, 9, 15}) {
-    std::int64_t length = 16 * odd;
-    while (length < n)
-      length *= 2;
-    best = std::min(best, length);
-  }
-  return best;
-}
-
-Geometry make_geometry(const QuadratureLattice& lattice, const DiskGrid& grid, double lambda_q,
-                       const SpectralChoice& choice) {
-  Geometry g{};
-  const double radius = 4 * pi / lambda_q;
-  g.sphere = radius * radius;
-  g.step = radius * grid.spacing();
-  g.half = (grid.size - 1) / 2;
-  // A hair below 1.25 is as good: 1280 for 1025.
-  const auto wanted = static_cast<std::int64_t>(std::ceil(grid.size * choice.oversampling * 0.999));
-  g.length = transform_length(std::max<std::int64_t>(wanted, grid.size + 2 * kColumnPadding));
-  g.pitch = 2 * pi / g.step / static_cast<double>(g.length);
-  const double reach = choice.kernel_width / 2.0;
-  const auto last = [&](double extent) {
-    return static_cast<std::int64_t>(std::floor(extent / g.pitch + reach)) + 1;
-  };
-  g.x_begin = g.y_begin = static_cast<std::int64_t>(std::ceil(-reach));
-  g.x_end = last(static_cast<double>(lattice.cols() - 1) * lattice.dx());
-  g.y_end = last(static_cast<double>(lattice.rows() - 1) * lattice.dy());
-  return g;
-}
 
 /// Terms of one pass over the surface: φ_k first … first+count−1 of the basis and, in the last pass over a
 /// surface with missing triangles, I[1] as one more term.
@@ -82,9 +34,28 @@ struct Batch {
   int fields() const { return (terms() + 1) / 2; }
 };
 
-/// `term_bytes`: of one term's spectra.
-std::vector<Batch> make_batches(int terms, bool with_area, std::int64_t term_bytes) {
-  const int most = static_cast<int>(std::clamp(kSpectraBytes / term_bytes, kFewestTerms, kMostTerms));
+/// Entries of the tables of φ_k and of c_k, both of heights that turn phases by ±`reach` rad.
+int function_entries(double reach) {
+  // The cubic's error is (phase step)⁴/384: 4e-8 at 1/16 rad.
+  constexpr double kPhaseStep = 1.0 / 16;
+  constexpr double kMost = 1e9;
+  return static_cast<int>(std::min(std::ceil(2 * reach / kPhaseStep), kMost)) + 16;
+}
+
+int coefficient_entries(double reach, double tolerance) {
+  // The error of linear interpolation is (phase step)²/8: with the most entries 2e-6 for heights of ±50 µm.
+  constexpr double kMostEntries = 1 << 18;
+  return static_cast<int>(std::ceil(std::min(reach / std::sqrt(8 * tolerance / 10), kMostEntries))) + 16;
+}
+
+/// Terms of one pass. `term_bytes`, `term_tables`: of one term's spectra, and of its tables while they are
+/// made.
+int terms_at_once(std::int64_t term_bytes, std::int64_t term_tables) {
+  return static_cast<int>(
+      std::clamp(std::min(kSpectraBytes / term_bytes, kTableBytes / term_tables), kFewestTerms, kMostTerms));
+}
+
+std::vector<Batch> make_batches(int terms, bool with_area, int most) {
   std::vector<Batch> batches;
   for (int first = 0; first < terms; first += most)
     batches.push_back({first, std::min(most, terms - first), false});
@@ -98,10 +69,8 @@ std::vector<Batch> make_batches(int terms, bool with_area, std::int64_t term_byt
 template <typename Real>
 FunctionTable<Real> make_function_table(const HeightBasis& basis, const HeightHistogram& heights,
                                         const Batch& batch, double sphere) {
-  // The cubic's error is (phase step)⁴/384: 4e-8 at 1/16 rad.
-  constexpr double kPhaseStep = 1.0 / 16;
   FunctionTable<Real> table;
-  table.entries = static_cast<int>(std::ceil(2 * basis.phase_reach() / kPhaseStep)) + 16;
+  table.entries = function_entries(basis.phase_reach());
   const double height = std::max(heights.high - heights.low, 1e-30);
   table.low = heights.low;
   table.per_height = (table.entries - 1) / height;
@@ -125,10 +94,7 @@ template <typename Real>
 CoefficientTable<Real> make_coefficient_table(const HeightBasis& basis, const WaveRange& q,
                                               const Batch& batch, double tolerance) {
   CoefficientTable<Real> table;
-  // The error of linear interpolation is (phase step)²/8: with the most entries 2e-6 for heights of ±50 µm.
-  constexpr double kMostEntries = 1 << 18;
-  const double wanted = basis.phase_reach() / std::sqrt(8 * tolerance / 10);
-  table.entries = static_cast<int>(std::ceil(std::min(wanted, kMostEntries))) + 16;
+  table.entries = coefficient_entries(basis.phase_reach(), tolerance);
   table.low = q.low;
   table.per_q = (table.entries - 1) / std::max(q.high - q.low, 1e-9 * q.high);
   table.fields = batch.fields();
@@ -160,7 +126,7 @@ struct RowSpectra {
 template <typename Real>
 class RowGroup {
  public:
-  RowGroup(const Geometry& g, const SpreadProblem<Real>& problem)
+  RowGroup(const DiskGeometry& g, const SpreadProblem<Real>& problem)
       : g_(g),
         problem_(problem),
         rows_(static_cast<std::size_t>(kRowGroup * problem.grid_cols * problem.functions->padded)),
@@ -199,14 +165,14 @@ class RowGroup {
   }
 
  private:
-  const Geometry& g_;
+  const DiskGeometry& g_;
   const SpreadProblem<Real>& problem_;
   FftVector<Real> rows_;
   FftVector<std::complex<Real>> buffers_;
 };
 
 template <typename Real>
-void transform_rows(const Geometry& g, const SpreadProblem<Real>& problem, const ComplexFft<Real>& fft,
+void transform_rows(const DiskGeometry& g, const SpreadProblem<Real>& problem, const ComplexFft<Real>& fft,
                     RowSpectra<Real>& spectra) {
   const std::int64_t groups = spectra.padded_rows / kRowGroup;
   parallel_blocks(groups, kBandGroups, [&](std::int64_t begin, std::int64_t end) {
@@ -229,7 +195,7 @@ void transform_rows(const Geometry& g, const SpreadProblem<Real>& problem, const
 }
 
 template <typename Real>
-void transform_columns(const Geometry& g, const CoefficientTable<Real>& c, const ComplexFft<Real>& fft,
+void transform_columns(const DiskGeometry& g, const CoefficientTable<Real>& c, const ComplexFft<Real>& fft,
                        RowSpectra<Real>& spectra, DiskField<Real>& field) {
   const std::int64_t stride = g.length + kColumnPadding;
   parallel_blocks(g.half + 1, 8, [&](std::int64_t begin, std::int64_t end) {
@@ -266,7 +232,7 @@ struct AxisSpectra {
   std::vector<double> plate_re, plate_im;  ///< ∫e^{−iqx}dx over the surface's side
 };
 
-AxisSpectra make_axis(const Geometry& g, const GriddingKernel& kernel, double side) {
+AxisSpectra make_axis(const DiskGeometry& g, const GriddingKernel& kernel, double side) {
   AxisSpectra axis;
   for (int k = 0; k <= g.half; ++k) {
     const double q = g.step * k;
@@ -281,7 +247,7 @@ AxisSpectra make_axis(const Geometry& g, const GriddingKernel& kernel, double si
 /// D_K at all nodes from the sums over terms: takes the gridding kernel out, and adds q_z·I[1] where that is
 /// a complete rectangle's.
 template <typename Real>
-DiskTable finish(const Geometry& g, const DiskGrid& grid, const GriddingKernel& kernel,
+DiskTable finish(const DiskGeometry& g, const DiskGrid& grid, const GriddingKernel& kernel,
                  const DiskField<Real>& field, const QuadratureLattice& lattice, double area) {
   constexpr std::int64_t kTileRows = 16, kTileCols = 16;
   DiskTable table = make_disk_table(grid);
@@ -328,29 +294,8 @@ DiskTable finish(const Geometry& g, const DiskGrid& grid, const GriddingKernel& 
   return table;
 }
 
-WaveRange wave_range(double radius, const DiskGrid& grid) {
-  return {radius * std::sqrt(std::max(0.0, 1 - 2 * grid.extent * grid.extent)), radius};
-}
-
-FacetPhases facet_phases(double radius, const DiskGrid& grid) {
-  return {radius, std::min(1.0, grid.extent * std::numbers::sqrt2)};
-}
-
-/// Every lattice point takes as many terms along x as the kernel is wide, and four for φ_k; every grid column
-/// of a lattice row as many along y; every point of a steep facet its neighbours.
-double spread_work(const Geometry& g, const QuadratureLattice& lattice, const SpectralChoice& choice,
-                   double steep_points, int terms) {
-  const double padded = static_cast<double>((terms + kTermLanes - 1) / kTermLanes * kTermLanes);
-  const auto rows = static_cast<double>(lattice.rows()), cols = static_cast<double>(lattice.cols());
-  const double along_x = 0.75 * cols * (choice.kernel_width + 4);
-  const double along_y = static_cast<double>(g.x_end - g.x_begin) * choice.kernel_width;
-  constexpr double kPlace = 1500;  // what a point's place and its kernel take
-  const double around = choice.kernel_width * choice.kernel_width + 4;
-  return padded * rows * (along_x + along_y) + steep_points * (padded * around + kPlace);
-}
-
 template <typename Real>
-void clear_field(const Geometry& g, DiskField<Real>& field) {
+void clear_field(const DiskGeometry& g, DiskField<Real>& field) {
   field.half = g.half;
   field.stride = g.half + 1 + kColumnPadding;
   for (auto& quadrant : field.quadrants)
@@ -360,34 +305,14 @@ void clear_field(const Geometry& g, DiskField<Real>& field) {
 
 }  // namespace
 
-void check_work(const SurfaceQuadrature& quadrature, int terms, double lambda_q) {
-  constexpr double kMostPoints = 2e11;  // lattice points times terms: some 100 s on two cores
-  constexpr double kSteepPoint = 3;     // in lattice points
-  const QuadratureLattice& lattice = quadrature.lattice;
-  const HeightField& surface = lattice.surface();
-  const double points = (static_cast<double>(lattice.rows()) * static_cast<double>(lattice.cols()) +
-                         kSteepPoint * static_cast<double>(quadrature.steep.size())) *
-                        std::max(terms, 1);
-  if (points <= kMostPoints) return;
-  const double pitch = std::max(surface.dx, surface.dy), order = lambda_q / (2 * pitch);
-  std::ostringstream text;
-  text << "cliffs, spikes or a steep form would take hours at an effective wavelength of " << lambda_q
-       << " µm and a pitch of " << pitch << " µm: level them away, reject outliers, ";
-  if (order < 1) text << "lower the extent towards " << order << ", where false orders begin, ";
-  text << "or ask for a larger tolerance";
-  throw InputError(text.str());
-}
-
 template <typename Real>
 DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double lambda_q,
                            const SpectralChoice& choice, DiskMemory<Real>& memory) {
   const HeightField& surface = window.surface;
   kirchhoff_area(surface);
   const double area = effective_area(window);
-  const SurfaceQuadrature quadrature({surface, choice.subdivision, window.taper, choice.steepest},
-                                     facet_phases(4 * pi / lambda_q, grid));
-  const QuadratureLattice& lattice = quadrature.lattice;
-  const Geometry g = make_geometry(lattice, grid, lambda_q, choice);
+  QuadratureLattice all(surface, choice.subdivision, window.taper, choice.steepest);
+  const DiskGeometry g = make_disk_geometry(surface, grid, lambda_q, choice);
   const GriddingKernel kernel(choice.kernel_width, static_cast<double>(g.length) / grid.size, g.pitch);
   const HeightHistogram heights = height_histogram(surface);
   const double radius = std::sqrt(g.sphere);
@@ -396,7 +321,21 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
   // pitch.
   const double scale = std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
   const HeightBasis basis(heights, 0, q, choice.basis_tolerance * scale);
-  check_work(quadrature, basis.terms(), lambda_q);
+
+  DiskDensity result;
+  const FacetPhases phases = facet_phases(radius, grid);
+  const SteepFacets steep = find_steep_facets(all, phases);
+  result.work = disk_work(g, surface, choice, steep.points(), basis.terms() + (all.complete() ? 0 : 1));
+  const int entries = coefficient_entries(basis.phase_reach(), choice.basis_tolerance);
+  const std::int64_t padded_rows = (g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup;
+  const std::int64_t term_bytes = (2 * g.half + 1) * padded_rows * static_cast<std::int64_t>(sizeof(Real));
+  const std::int64_t term_tables = 2 * std::int64_t{sizeof(double) + sizeof(Real)} *
+                                   (std::int64_t{function_entries(basis.phase_reach())} + entries);
+  const int most = terms_at_once(term_bytes, term_tables);
+  result.work.recurrences = std::ceil(static_cast<double>(basis.terms()) / most) * basis.recurrences(entries);
+  check_work(result.work, static_cast<double>(grid.size) * grid.size, surface, lambda_q);
+  const SurfaceQuadrature quadrature(std::move(all), steep, phases);
+  const QuadratureLattice& lattice = quadrature.lattice;
 
   const ComplexFft<Real> fft({1, g.length, 1}, FftDirection::Forward);
   SpreadProblem<Real> problem{};
@@ -412,16 +351,9 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
   problem.steep =
       make_point_scatter<Real>(quadrature.steep, {kernel, g.x_begin, g.x_end}, {kernel, g.y_begin, g.y_end});
 
-  DiskDensity result;
-  result.work.terms = basis.terms() + (lattice.complete() ? 0 : 1);
-  result.work.fft_length = g.length;
-  result.work.steep_points = static_cast<std::int64_t>(quadrature.steep.size());
-  result.work.spread =
-      spread_work(g, lattice, choice, static_cast<double>(quadrature.steep.size()), result.work.terms);
   clear_field(g, memory.field);
-  const std::int64_t padded_rows = (g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup;
-  const std::int64_t term_bytes = (2 * g.half + 1) * padded_rows * static_cast<std::int64_t>(sizeof(Real));
-  for (const Batch& batch : make_batches(basis.terms(), !lattice.complete(), term_bytes)) {
+  result.work.transforms = 0;
+  for (const Batch& batch : make_batches(basis.terms(), !lattice.complete(), most)) {
     const FunctionTable<Real> functions = make_function_table<Real>(basis, heights, batch, g.sphere);
     const CoefficientTable<Real> coefficients =
         make_coefficient_table<Real>(basis, q, batch, choice.basis_tolerance);
@@ -434,7 +366,8 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
     result.work.transforms += batch.fields() * (g.rows() + 2 * g.half + 1);
     result.work.bytes = std::max<std::int64_t>(
         result.work.bytes, static_cast<std::int64_t>(size * sizeof(std::complex<Real>) +
-                                                     8 * memory.field.quadrants[0].re.size() * sizeof(Real)));
+                                                     8 * memory.field.quadrants[0].re.size() * sizeof(Real)) +
+                               batch.terms() * term_tables + quadrature.bytes() + problem.steep.bytes());
   }
   result.table = finish(g, grid, kernel, memory.field, lattice, area);
   return result;
@@ -444,21 +377,5 @@ template DiskDensity transform_disk<float>(const Window&, const DiskGrid&, doubl
                                            DiskMemory<float>&);
 template DiskDensity transform_disk<double>(const Window&, const DiskGrid&, double, const SpectralChoice&,
                                             DiskMemory<double>&);
-
-SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lambda_q,
-                          const SpectralChoice& choice) {
-  const QuadratureLattice lattice(window.surface, choice.subdivision, window.taper, choice.steepest);
-  const Geometry g = make_geometry(lattice, grid, lambda_q, choice);
-  const HeightHistogram heights = height_histogram(window.surface);
-  const WaveRange q = wave_range(std::sqrt(g.sphere), grid);
-  const double terms = expected_terms(heights, q, choice.basis_tolerance);
-  SpectralWork work;
-  work.terms = std::max(1, static_cast<int>(std::min(terms, 1e6))) + (lattice.complete() ? 0 : 1);
-  work.fft_length = g.length;
-  work.transforms = (work.terms + 1) / 2 * (g.rows() + 2 * g.half + 1);
-  work.steep_points = count_facet_points(lattice, facet_phases(4 * pi / lambda_q, grid));
-  work.spread = spread_work(g, lattice, choice, static_cast<double>(work.steep_points), work.terms);
-  return work;
-}
 
 }  // namespace micro

@@ -47,7 +47,8 @@ Eigen::MatrixXd chebyshev_values(int n, Eigen::Index degree) {
 
 /// Degrees that resolve a phase of ±`phase` radians over [−1, 1] to double precision.
 int resolving_degree(double phase) {
-  return static_cast<int>(std::ceil(phase + 6 * std::cbrt(phase) + 18));
+  constexpr double kMost = 1e9;
+  return static_cast<int>(std::min(std::ceil(phase + 6 * std::cbrt(phase) + 18), kMost));
 }
 
 /// Chebyshev nodes of h and of q_z that ψ is sampled on.
@@ -64,7 +65,8 @@ SampleSize sample_size(double half_range, double farthest, const WaveRange& q) {
 /// tables of φ_k over all heights one of 200 MB (heights of ±0.6 mm in the visible).
 bool decomposable(const SampleSize& size) {
   constexpr int kMostDegree = 320, kMostHeights = 30000;
-  return std::min(size.heights, 2 * size.waves) <= kMostDegree && size.heights <= kMostHeights;
+  return std::min(size.heights, size.waves > kMostDegree ? size.waves : 2 * size.waves) <= kMostDegree &&
+         size.heights <= kMostHeights;
 }
 
 /// [n] how often heights near each Chebyshev node occur; nodes descend. A height between nodes sees the nodes
@@ -95,10 +97,11 @@ std::vector<double> bessel_series(double x, int n) {
   }
   const int start = 2 * ((std::max(n, resolving_degree(x)) + 30) / 2);
   double above = 0, here = 1e-280, sum = 0;
+  const double slope = 2 / x;
   for (int k = start; k >= 0; --k) {  // here = J_k, above = J_{k+1}
     if (k < n) j[k] = here;
     sum += (k == 0 ? 1 : k % 2 == 0 ? 2 : 0) * here;
-    const double below = 2 * k / x * here - above;
+    const double below = slope * k * here - above;
     above = here;
     here = below;
     if (std::abs(here) > 1e200) {
@@ -194,6 +197,12 @@ void HeightBasis::expand(double tolerance) {
   chebyshev_ = true;
   const double phase = q_.high * half_;
   const int all = resolving_degree(phase);
+  // Heights of decimetres: nobody sums so many terms.
+  constexpr double kMostPhase = 1e6;
+  if (phase > kMostPhase) {
+    terms_ = all;
+    return;
+  }
   const std::vector<double> j = bessel_series(phase, all);
   terms_ = all;
   double tail = 0;

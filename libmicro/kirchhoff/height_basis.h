@@ -51,6 +51,8 @@ class HeightBasis {
 
   /// [n, count] c_k at n ≥ 2 equidistant q_z from q.low to q.high.
   Eigen::ArrayXXcd coefficients(int n, int first, int count) const;
+  /// Steps of the Bessel functions' recurrences in that; none where the φ_k are orthonormal.
+  double recurrences(int n) const { return chebyshev_ ? static_cast<double>(n) * terms_ : 0; }
 
  private:
   void decompose(const HeightHistogram& heights, double tolerance);

@@ -5,9 +5,11 @@
 #include <complex>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 #include "core/parallel.h"
+#include "kirchhoff/disk_geometry.h"
 #include "kirchhoff/kirchhoff.h"
 #include "kirchhoff/spectral.h"
 #include "kirchhoff/term_spectra.h"
@@ -86,17 +88,20 @@ void fill_with_kirchhoff(const HeightField& surface, double tol, DensityVolume& 
   const double q_x = grid.step_x * static_cast<double>(grid.reach_x),
                q_y = grid.step_y * static_cast<double>(grid.reach_y);
   const double radius = std::hypot(q_x, q_y, q.high);
-  const SpectralChoice choice =
-      choose_spectral(surface, {3, std::max(q_x, q_y) / radius}, 4 * pi / radius, tol);
-  const SurfaceQuadrature quadrature({surface, choice.subdivision, {}, choice.steepest},
-                                     {radius, std::max(q_x, q_y) / radius});
+  const DiskGrid outline = {3, std::max(q_x, q_y) / radius};
+  const SpectralChoice choice = choose_spectral(surface, outline, 4 * pi / radius, tol);
+  QuadratureLattice all(surface, choice.subdivision, {}, choice.steepest);
   const SpectrumAxis x = make_axis(patch.side_x, grid.step_x, grid.reach_x, choice.kernel_width),
                      y = make_axis(patch.side_y, grid.step_y, grid.reach_y, choice.kernel_width);
   const double tolerance = choice.basis_tolerance * std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
   const HeightBasis basis(heights, 0, q, tolerance);
-  check_work(quadrature, basis.terms(), 4 * pi / radius);
+  const bool complete = all.complete();
+  const FacetPhases phases = facet_phases(radius, outline);
+  const SteepFacets steep = find_steep_facets(all, phases);
+  check_work(spectra_work(surface, choice, x, y, steep.points(), basis.terms() + (complete ? 0 : 1)),
+             static_cast<double>(grid.size()), surface, 4 * pi / radius);
   const NestedTerms terms(basis, q, tolerance);
-  const bool complete = quadrature.lattice.complete();
+  const SurfaceQuadrature quadrature(std::move(all), steep, phases);
   const TermBatch batch = {0, terms.terms(), !complete};
   const std::int64_t spectra_bytes =
       std::int64_t{std::max(batch.terms(), 1)} * TermSpectra<float>::bytes_per_term(x, y);

@@ -19,6 +19,10 @@ struct PointScatter {
   std::vector<float> z;                ///< [points] µm
   std::vector<float> area;             ///< [points] µm²
   std::size_t size() const { return z.size(); }
+  std::int64_t bytes() const {
+    return static_cast<std::int64_t>(size() *
+                                     (2 * (sizeof(std::int32_t) + sizeof(float)) + 2 * taps * sizeof(Real)));
+  }
 };
 
 /// One axis of the grid that points are spread onto.

@@ -24,19 +24,12 @@ bool sums_in_double(double tol) {
   return tol < kDoubleBelow;
 }
 
-int checked_nodes(const HeightField& surface, const DiskGrid& grid, const SpectralChoice& choice,
-                  const SpectralWork& work) {
-  constexpr double kPoint = 1.0, kButterfly = 0.1, kNode = 10,
-                   kCell = 20;  // ns: term and point; FFT; node; exact cell
+int checked_nodes(const HeightField& surface, const DiskGrid& grid, const SpectralWork& work) {
+  constexpr double kCell = 20e-9;  // seconds of an exact node on one core
   constexpr int kFewest = 12, kMost = 48;
   const double cells = static_cast<double>(surface.rows()) * static_cast<double>(surface.cols());
-  const double length = static_cast<double>(work.fft_length),
-               nodes = static_cast<double>(grid.size) * grid.size;
-  const double points = cells * 4 * choice.subdivision * choice.subdivision * work.terms;
-  const double table = kPoint * points +
-                       kButterfly * static_cast<double>(work.transforms) * length * std::log2(length) +
-                       kNode * nodes;
-  return std::clamp(static_cast<int>(0.15 * table / (kCell * cells)), kFewest, kMost);
+  const double table = table_seconds(work, static_cast<double>(grid.size) * grid.size);
+  return static_cast<int>(std::clamp<double>(0.15 * table / (kCell * cells), kFewest, kMost));
 }
 
 SpectralChoice refine(SpectralChoice choice, double excess) {
@@ -51,7 +44,7 @@ SpectralChoice refine(SpectralChoice choice, double excess) {
 SpectralChoice choose_spectral(const HeightField& surface, const DiskGrid& grid, double lambda_q,
                                double tol) {
   const double phase = 4 * std::numbers::pi / lambda_q * std::max(surface.dx, surface.dy);
-  const double sin_theta = std::min(1.0, grid.extent * std::numbers::sqrt2);
+  const double sin_theta = grid.outermost_sine();
   SpectralChoice choice;
   choice.basis_tolerance = 0.6 * tol;
   choice.kernel_width = std::clamp(static_cast<int>(std::ceil(1.7 - 1.1 * std::log10(tol))), 3, kMostWidth);
@@ -93,18 +86,18 @@ KirchhoffTable SpectralSolver::operator()(const Window& window, std::uint64_t se
     result.table = std::move(density.table);
     result.work = density.work;
     result.cost.evaluations += density.work.transforms;
-    const int nodes = checked_nodes(surface, grid_, result.choice, density.work);
+    const int nodes = checked_nodes(surface, grid_, density.work);
     result.error = sample_error(window, result.table, lambda_q_, tol_, nodes, seed);
     result.reached = result.error.within(tol_);
     // A dozen nodes know the error to some 30 %.
     constexpr double kMargin = 0.8;
     const double excess = std::max(result.error.error(), result.error.error_core_free()) / tol_;
     const SpectralChoice finer = refine(result.choice, excess);
-    // What took long already is not tried again: `reached` tells.
-    constexpr double kMostPoints = 3e10;
-    const double points = static_cast<double>(surface.z.size()) * 4 * finer.subdivision * finer.subdivision *
-                          density.work.terms;
-    if (points > kMostPoints) break;
+    // What takes long is not tried again: `reached` tells.
+    constexpr double kMostSeconds = 30;  // of one core
+    SpectralWork again = density.work;
+    again.spread *= std::pow(static_cast<double>(finer.subdivision) / result.choice.subdivision, 2);
+    if (table_seconds(again, static_cast<double>(grid_.size) * grid_.size) > kMostSeconds) break;
     if ((result.reached && excess <= kMargin) || finer == result.choice || attempt == kRefinements) break;
     result.choice = finer;
   }

@@ -33,8 +33,9 @@ class SpectralSolver {
   /// Computes a table, measures its error on a few nodes drawn with `seed` (as many as take some 15 % of
   /// the table's time), and refines until that
   /// is within tol or there is nothing left to refine in some ten seconds: then `reached` is false. Throws
-  /// InputError if the surface has no triangle, or if the grid is so coarse for this wavelength that a table
-  /// would take hours: the message says how far out the table may go instead.
+  /// InputError if the surface has no triangle, or if its relief is such, or the grid so coarse for this
+  /// wavelength, that a table would take many minutes: the message says how many, and how far out the table
+  /// may go instead.
   KirchhoffTable operator()(const HeightField& surface, std::uint64_t seed = 0);
   /// The same of a coherent window, tapered or not.
   KirchhoffTable operator()(const Window& window, std::uint64_t seed = 0);
@@ -58,8 +59,7 @@ SpectralChoice refine(SpectralChoice choice, double excess);
 
 /// Nodes whose exact values take some 15 % of a table's time: by operation counts, so that they are always
 /// the same.
-int checked_nodes(const HeightField& surface, const DiskGrid& grid, const SpectralChoice& choice,
-                  const SpectralWork& work);
+int checked_nodes(const HeightField& surface, const DiskGrid& grid, const SpectralWork& work);
 
 /// Whether a tolerance takes double precision.
 bool sums_in_double(double tol);

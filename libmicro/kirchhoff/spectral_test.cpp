@@ -88,6 +88,7 @@ const std::vector<SurfaceCase> kSurfaces = {
     {"a_staircase_of_thirty_micrometres", {33, 0.5}},
     {"a_hundred_micrometres", {33, 0.75}},
     {"a_metre_up"},
+    {"a_spike_of_ten_micrometres"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Zoo, SpectralSurface, ::testing::ValuesIn(kSurfaces),
@@ -118,6 +119,24 @@ TEST(SpectralTable, RefusesWhatCannotBe) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("lower the extent towards 0.005"), std::string::npos)
         << error.what();
+  }
+}
+
+TEST(SpectralTable, RefusesHigherSpikesAtOnceAndSaysWhatTheyWouldTake) {
+  for (const char* name : {"a_spike_of_a_millimetre", "a_spike_of_ten_to_the_thirty"}) {
+    const HeightField surface = zoo_surface(name);
+    for (const double tol : {1e-2, 1e-3, 1e-6})
+      try {
+        spectral_table(surface, {1025, 1}, kLambda, tol);
+        FAIL() << name << ' ' << tol;
+      } catch (const InputError& error) {
+        const std::string text = error.what();
+        EXPECT_NE(text.find("spikes"), std::string::npos) << text;
+        EXPECT_TRUE(text.find(" hours of a core") != std::string::npos ||
+                    text.find(" days of a core") != std::string::npos ||
+                    text.find(" years of a core") != std::string::npos)
+            << text;
+      }
   }
 }
 

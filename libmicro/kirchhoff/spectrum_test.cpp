@@ -195,6 +195,8 @@ TEST(SpectrumSolver, RefusesWhatCannotBe) {
   EXPECT_THROW(SpectrumSolver({65, 1}, {0.5}, 0), InputError);
   SpectrumSolver solver({65, 1}, {0.5}, 1e-3);
   EXPECT_THROW(solver(with_missing(make_gaussian_surface({}, 1), 1.1, 1)), InputError);
+  EXPECT_THROW(solver(zoo_surface("a_spike_of_a_millimetre")), InputError);
+  EXPECT_THROW(solver(zoo_surface("a_spike_of_ten_to_the_thirty")), InputError);
 }
 
 }  // namespace

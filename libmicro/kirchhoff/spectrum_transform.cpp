@@ -5,8 +5,10 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "core/parallel.h"
+#include "kirchhoff/disk_geometry.h"
 #include "kirchhoff/kirchhoff.h"
 #include "kirchhoff/sphere_nodes.h"
 
@@ -15,8 +17,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// Bytes of spectra along x that are held at once, and terms of one pass.
-constexpr std::int64_t kSpectraBytes = std::int64_t{1} << 28;
+/// Bytes of spectra along x and of tables of φ_k and c_k that are held at once, and terms of one pass.
+constexpr std::int64_t kSpectraBytes = std::int64_t{1} << 28, kTableBytes = std::int64_t{1} << 28;
 constexpr std::int64_t kFewestTerms = 8, kMostTerms = 96;
 /// Bytes of partial sums that are held at once where there is more than one pass: decides how many
 /// wavelengths go together.
@@ -62,14 +64,19 @@ Sphere<Real> make_sphere(std::size_t index, double lambda_q, const DiskGrid& gri
   return sphere;
 }
 
+/// Entries of a table of c_k.
+int coefficient_entries(double phase_reach, double tolerance) {
+  // The error of linear interpolation is (phase step)²/8; densities are float in the end.
+  constexpr double kFinest = 1e-8, kMost = 1e9;
+  const double wanted = phase_reach / std::sqrt(8 * std::max(tolerance, kFinest) / 10);
+  return static_cast<int>(std::min(std::ceil(wanted), kMost)) + 16;
+}
+
 template <typename Real>
 TermCoefficients<Real> make_coefficients(const NestedTerms& terms, double phase_reach, const WaveRange& q,
                                          const TermBatch& batch, double tolerance) {
   TermCoefficients<Real> table;
-  // The error of linear interpolation is (phase step)²/8; densities are float in the end.
-  constexpr double kFinest = 1e-8;
-  table.entries =
-      static_cast<int>(std::ceil(phase_reach / std::sqrt(8 * std::max(tolerance, kFinest) / 10))) + 16;
+  table.entries = coefficient_entries(phase_reach, tolerance);
   table.low = q.low;
   table.per_q = (table.entries - 1) / std::max(q.high - q.low, 1e-9 * q.high);
   table.padded = (batch.terms() + kTermLanes - 1) / kTermLanes * kTermLanes;
@@ -87,8 +94,14 @@ TermCoefficients<Real> make_coefficients(const NestedTerms& terms, double phase_
   return table;
 }
 
-std::vector<TermBatch> make_batches(int terms, bool with_area, std::int64_t term_bytes) {
-  const int most = static_cast<int>(std::clamp(kSpectraBytes / term_bytes, kFewestTerms, kMostTerms));
+/// Terms of one pass. `term_bytes`, `term_tables`: of one term's spectra, and of its tables while they are
+/// made.
+int terms_at_once(std::int64_t term_bytes, std::int64_t term_tables) {
+  return static_cast<int>(
+      std::clamp(std::min(kSpectraBytes / term_bytes, kTableBytes / term_tables), kFewestTerms, kMostTerms));
+}
+
+std::vector<TermBatch> make_batches(int terms, bool with_area, int most) {
   std::vector<TermBatch> batches;
   bool area = with_area;
   for (int first = 0; first < terms || batches.empty();) {
@@ -113,9 +126,6 @@ class Pass {
         coefficients_(coefficients),
         spectra_(spectra),
         y_(y) {}
-
-  /// Whether partial sums of an earlier pass are there, and whether a later one follows.
-  enum class Place { Only, First, Middle, Last };
 
   /// Calls flush(tile, memory, sphere) for each tile of each sphere.
   template <typename Flush>
@@ -249,6 +259,33 @@ Axes make_axes(const HeightField& surface, const DiskGrid& grid, double shortest
           make_spectrum_axis(static_cast<double>(surface.rows() - 1) * surface.dy, layout)};
 }
 
+/// How terms and wavelengths are divided into passes.
+struct Passes {
+  std::int64_t term_tables;  ///< bytes of one term's tables while they are made
+  std::int64_t field;        ///< bytes of one wavelength's partial sums
+  int terms;                 ///< of one pass
+  std::size_t wavelengths;   ///< of one pass
+  double recurrences;        ///< of all of them (SpectralWork)
+};
+
+template <typename Real>
+Passes plan_passes(const HeightBasis& basis, bool complete, std::size_t wavelengths, const DiskGrid& grid,
+                   const Axes& axes, double tolerance) {
+  const int entries = coefficient_entries(basis.phase_reach(), tolerance);
+  Passes passes{};
+  passes.term_tables = TermSpectra<Real>::table_bytes_per_term(basis.phase_reach()) +
+                       entries * 2 * std::int64_t{sizeof(double) + sizeof(Real)};
+  passes.field = std::int64_t{(grid.size + 1) / 2} * grid.size * 4 * std::int64_t{sizeof(Real)};
+  passes.terms = terms_at_once(TermSpectra<Real>::bytes_per_term(axes.x, axes.y), passes.term_tables);
+  const int terms = basis.terms() + (complete ? 0 : 1);
+  passes.wavelengths = terms <= passes.terms
+                           ? wavelengths
+                           : static_cast<std::size_t>(std::max<std::int64_t>(1, kFieldBytes / passes.field));
+  passes.recurrences = basis.recurrences(entries) * std::ceil(static_cast<double>(terms) / passes.terms) *
+                       std::ceil(static_cast<double>(wavelengths) / static_cast<double>(passes.wavelengths));
+  return passes;
+}
+
 }  // namespace
 
 std::int64_t least_spectra_bytes(const HeightField& surface, const DiskGrid& grid, double shortest,
@@ -263,35 +300,39 @@ SpectrumDensity transform_spectrum(const HeightField& surface, const DiskGrid& g
                                    SpectrumMemory<Real>& memory) {
   assert(!lambda_q.empty());
   const double area = kirchhoff_area(surface), radius = 4 * pi / lambda_q.front();
-  const SurfaceQuadrature quadrature({surface, choice.subdivision, {}, choice.steepest},
-                                     {radius, std::min(1.0, grid.extent * std::numbers::sqrt2)});
-  const auto [x, y] = make_axes(surface, grid, lambda_q.front(), choice);
+  QuadratureLattice all(surface, choice.subdivision, {}, choice.steepest);
+  const Axes axes = make_axes(surface, grid, lambda_q.front(), choice);
+  const auto& [x, y] = axes;
   const HeightHistogram heights = height_histogram(surface);
-  const WaveRange q = {4 * pi / lambda_q.back() * std::sqrt(std::max(0.0, 1 - 2 * grid.extent * grid.extent)),
-                       radius};
+  const WaveRange q = {wave_range(4 * pi / lambda_q.back(), grid).low, radius};
   // |q|²·ψ competes with |q| in the area and with one per length in rims that are never denser than the
   // pitch.
   const double tolerance = choice.basis_tolerance * std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
   const HeightBasis basis(heights, 0, q, tolerance);
-  check_work(quadrature, basis.terms(), lambda_q.front());
+  const bool complete = all.complete();
+  const FacetPhases phases = facet_phases(radius, grid);
+  const SteepFacets steep = find_steep_facets(all, phases);
+  const double nodes = static_cast<double>(grid.size) * grid.size * static_cast<double>(lambda_q.size());
+  SpectrumDensity result;
+  result.work = spectra_work(surface, choice, x, y, steep.points(), basis.terms() + (complete ? 0 : 1));
+  const Passes passes =
+      plan_passes<Real>(basis, complete, lambda_q.size(), grid, axes, choice.basis_tolerance);
+  result.work.recurrences = passes.recurrences;
+  check_work(result.work, nodes, surface, lambda_q.front());
   const NestedTerms terms(basis, q, tolerance);
-  const bool complete = quadrature.lattice.complete();
+  const SurfaceQuadrature quadrature(std::move(all), steep, phases);
   const double plate = complete ? 1 : 0, to_density = kirchhoff_density(1, area);
 
-  SpectrumDensity result;
   result.tables.resize(lambda_q.size());
-  const std::vector<TermBatch> batches =
-      make_batches(terms.terms(), !complete, TermSpectra<Real>::bytes_per_term(x, y));
-  result.work = {terms.terms() + (complete ? 0 : 1), x.length, 0, 0};
-  const std::int64_t field = std::int64_t{(grid.size + 1) / 2} * grid.size * 4 * std::int64_t{sizeof(Real)};
-  const std::size_t together = batches.size() == 1
-                                   ? lambda_q.size()
-                                   : static_cast<std::size_t>(std::max<std::int64_t>(1, kFieldBytes / field));
-  for (std::size_t first = 0; first < lambda_q.size(); first += together) {
+  const std::vector<TermBatch> batches = make_batches(terms.terms(), !complete, passes.terms);
+  result.work.terms = terms.terms() + (complete ? 0 : 1);
+  result.work.transforms = 0;
+  for (std::size_t first = 0; first < lambda_q.size(); first += passes.wavelengths) {
     std::vector<Sphere<Real>> spheres;
-    for (std::size_t k = first; k < std::min(first + together, lambda_q.size()); ++k) {
+    for (std::size_t k = first; k < std::min(first + passes.wavelengths, lambda_q.size()); ++k) {
       spheres.push_back(make_sphere<Real>(k, lambda_q[k], grid, x, y));
-      if (batches.size() > 1) spheres.back().field.assign(static_cast<std::size_t>(field) / sizeof(Real), 0);
+      if (batches.size() > 1)
+        spheres.back().field.assign(static_cast<std::size_t>(passes.field) / sizeof(Real), 0);
     }
     for (const TermBatch& batch : batches) {
       const TermSpectra<Real> spectra(quadrature, heights, terms, basis.phase_reach(), batch, x, y,
@@ -307,13 +348,17 @@ SpectrumDensity transform_spectrum(const HeightField& surface, const DiskGrid& g
         pass(spheres,
              [](const auto& tile, auto& tile_memory, auto& sphere) { add_tile(tile, tile_memory, sphere); });
       result.work.transforms += spectra.transforms();
+      result.work.bytes =
+          std::max(result.work.bytes, spectra.source_bytes() + batch.terms() * passes.term_tables);
     }
     for (Sphere<Real>& sphere : spheres)
       result.tables[sphere.index] = std::move(sphere.density);
   }
-  result.work.bytes =
+  result.work.bytes +=
       static_cast<std::int64_t>(memory.rows.size() * sizeof(std::complex<Real>)) +
-      (batches.size() > 1 ? static_cast<std::int64_t>(std::min(together, lambda_q.size())) * field : 0);
+      (batches.size() > 1
+           ? static_cast<std::int64_t>(std::min(passes.wavelengths, lambda_q.size())) * passes.field
+           : 0);
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kirchhoff/quadrature_lattice.h"
+#include "kirchhoff/spectral_work.h"
 #include "kirchhoff/steep_facets.h"
 
 namespace micro {
@@ -148,18 +149,19 @@ Subdivision choose_subdivision(const HeightField& surface, const SubdivisionDema
     const double across = phase / n;
     return kKink * std::pow(across, 4) * relief.typical_sine() * relief.kinks(std::numbers::pi / across, end);
   };
-  // Multiply-adds a cell and term: a lattice point is spread along x and, by rows, along y; a facet's point
-  // onto all of its neighbours, after its place and its kernel have been worked out.
-  const int w = demands.kernel_width;
-  const auto lattice_cost = [&](int n) { return 3. * n * n * (w + 4); };
-  const double point_cost = 1.5 * w * w + 100;
+  // Multiply-adds a cell and term. So many terms do relief and tolerances commonly take; where they are more,
+  // points of facets are a little cheaper than thought.
+  constexpr double kTerms = 16;
+  const auto lattice_cost = [&](int n) { return 4. * n * n * lattice_point_work(demands.kernel_width); };
+  const double point_cost = facet_point_work(demands.kernel_width, kTerms);
 
   // So few cells have to go that the points of the others fit into memory.
   const double cells = static_cast<double>(surface.rows()) * static_cast<double>(surface.cols());
   const std::size_t fewest = relief.first_within(kMostSteepPoints / cells);
   // Close to a whole period the law of kinks is too kind.
   constexpr double kOfPeriod = 0.7, kOfPeriodInBulk = 0.25;
-  Subdivision best{least, 0};
+  // If no lattice will do: the finest, which is refused for its many points.
+  Subdivision best{kMostPeriods, fewest < relief.size() ? relief.slope(fewest) : 0};
   double least_cost = std::numeric_limits<double>::infinity();
   for (int n = least; n <= kMostPeriods && lattice_cost(n) < least_cost; ++n) {
     const double limit = steepest_slope(kOfPeriod * 2 * std::numbers::pi * n / phase, sin_theta);

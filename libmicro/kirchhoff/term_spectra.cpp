@@ -20,14 +20,19 @@ constexpr std::int64_t kRowGroup = 8;
 /// Groups of rows handed out together: the lattice rows at either end are spread twice.
 constexpr std::int64_t kBandGroups = 8;
 
+int function_entries(double phase_reach) {
+  // The cubic's error is (phase step)⁴/384: 4e-8 at 1/16 rad.
+  constexpr double kPhaseStep = 1.0 / 16;
+  constexpr double kMost = 1e9;
+  return static_cast<int>(std::min(std::ceil(2 * phase_reach / kPhaseStep), kMost)) + 16;
+}
+
 /// φ_k at equidistant heights; I[1], where it is among the terms, is that of φ = 1 without a rim.
 template <typename Real>
 FunctionTable<Real> make_function_table(const NestedTerms& terms, const HeightHistogram& heights,
                                         double phase_reach, const TermBatch& batch) {
-  // The cubic's error is (phase step)⁴/384: 4e-8 at 1/16 rad.
-  constexpr double kPhaseStep = 1.0 / 16;
   FunctionTable<Real> table;
-  table.entries = static_cast<int>(std::ceil(2 * phase_reach / kPhaseStep)) + 16;
+  table.entries = function_entries(phase_reach);
   table.low = heights.low;
   table.per_height = (table.entries - 1) / std::max(heights.high - heights.low, 1e-30);
   table.padded = (batch.terms() + kTermLanes - 1) / kTermLanes * kTermLanes;
@@ -100,13 +105,19 @@ SpreadProblem<Real> make_problem(const SurfaceQuadrature& quadrature, const Func
   problem.gather_y = gather(y, lattice.dy(), 0, 1, lattice.rows(), factor_y);
   problem.scatter_x =
       prepared(make_scatter<Real>(x.gridding, lattice.dx(), lattice.cols(), x.begin, x.end), factor_x);
-  problem.steep = make_point_scatter<Real>(quadrature.steep, {x.gridding, x.begin, x.end, factor_x},
-                                           {y.gridding, y.begin, y.end, factor_y});
   return problem;
 }
 
 std::int64_t padded_rows_of(const SpectrumAxis& y) {
   return (y.points() + kRowGroup - 1) / kRowGroup * kRowGroup;
+}
+
+template <typename Real>
+PointScatter<Real> scatter_steep(const SurfaceQuadrature& quadrature, const SpectrumAxis& x,
+                                 const SpectrumAxis& y) {
+  const std::vector<double> factor_x = preparation(x), factor_y = preparation(y);
+  return make_point_scatter<Real>(quadrature.steep, {x.gridding, x.begin, x.end, factor_x},
+                                  {y.gridding, y.begin, y.end, factor_y});
 }
 
 /// Index of a point in a transform whose origin is the surface's middle.
@@ -148,6 +159,22 @@ std::int64_t TermSpectra<Real>::bytes_per_term(const SpectrumAxis& x, const Spec
 }
 
 template <typename Real>
+std::int64_t TermSpectra<Real>::table_bytes_per_term(double phase_reach) {
+  return function_entries(phase_reach) * 2 * std::int64_t{sizeof(double) + sizeof(Real)};
+}
+
+SpectralWork spectra_work(const HeightField& surface, const SpectralChoice& choice, const SpectrumAxis& x,
+                          const SpectrumAxis& y, std::int64_t steep_points, int terms) {
+  SpectralWork work;
+  work.terms = terms;
+  work.fft_length = x.length;
+  work.transforms = (std::int64_t{terms} + 1) / 2 * 2 * (y.points() + x.count());
+  work.spread = spread_work(surface, choice, x.points(), steep_points, terms);
+  work.steep_points = steep_points;
+  return work;
+}
+
+template <typename Real>
 TermSpectra<Real>::TermSpectra(const SurfaceQuadrature& quadrature, const HeightHistogram& heights,
                                const NestedTerms& terms, double phase_reach, const TermBatch& batch,
                                const SpectrumAxis& x, const SpectrumAxis& y,
@@ -168,10 +195,12 @@ TermSpectra<Real>::TermSpectra(const SurfaceQuadrature& quadrature, const Height
 template <typename Real>
 void TermSpectra<Real>::transform_rows(const SurfaceQuadrature& quadrature,
                                        const FunctionTable<Real>& functions) {
-  SpreadProblem<Real> area = make_problem(quadrature, functions, x_, y_);
-  area.sources = SpreadSources::Area;
-  SpreadProblem<Real> rim = area;
+  SpreadProblem<Real> rim = make_problem(quadrature, functions, x_, y_);
   rim.sources = SpreadSources::Rim;
+  SpreadProblem<Real> area = rim;
+  area.sources = SpreadSources::Area;
+  area.steep = scatter_steep<Real>(quadrature, x_, y_);
+  source_bytes_ = quadrature.bytes() + area.steep.bytes();
   parallel_blocks(padded_rows_ / kRowGroup, kBandGroups, [&](std::int64_t begin, std::int64_t end) {
     RowSpreader<Real> spread_area(area), spread_rim(rim);
     const std::int64_t row_size = x_.points() * padded_;

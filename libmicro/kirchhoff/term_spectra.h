@@ -6,8 +6,9 @@
 #include "core/fft.h"
 #include "kirchhoff/gridding.h"
 #include "kirchhoff/nested_terms.h"
+#include "kirchhoff/spectral_work.h"
 #include "kirchhoff/spread.h"
-#include "kirchhoff/steep_facets.h"
+#include "kirchhoff/surface_quadrature.h"
 
 namespace micro {
 
@@ -67,13 +68,18 @@ struct TermColumns {
   }
 };
 
+/// What the spectra of so many terms of a whole surface take.
+SpectralWork spectra_work(const HeightField& surface, const SpectralChoice& choice, const SpectrumAxis& x,
+                          const SpectrumAxis& y, std::int64_t steep_points, int terms);
+
 /// The spectra Â_k and R̂_k of a surface: the rows of the images are transformed when it is made, columns when
 /// they are asked for. The transforms are complex, two real images in each.
 template <typename Real>
 class TermSpectra {
  public:
-  /// Bytes that one term takes.
+  /// Bytes that one term takes, and its table of φ_k while it is made.
   static std::int64_t bytes_per_term(const SpectrumAxis& x, const SpectrumAxis& y);
+  static std::int64_t table_bytes_per_term(double phase_reach);
 
   /// `memory` holds the rows' spectra, and may serve one surface after the other.
   TermSpectra(const SurfaceQuadrature& quadrature, const HeightHistogram& heights, const NestedTerms& terms,
@@ -83,6 +89,8 @@ class TermSpectra {
   int padded() const { return padded_; }
   /// Complex transforms that all columns take, and have taken for the rows.
   std::int64_t transforms() const { return 2 * fields_ * (y_.points() + x_.count()); }
+  /// Of memory held for the sources while their spectra were made.
+  std::int64_t source_bytes() const { return source_bytes_; }
 
   /// Columns first … first+columns−1, all within ±reach; callable from several threads.
   TermColumns<Real> columns(std::int64_t first, std::int64_t columns) const;
@@ -102,6 +110,7 @@ class TermSpectra {
   std::int64_t padded_rows_;
   ComplexFft<Real> row_fft_, column_fft_;
   FftVector<std::complex<Real>>& memory_;
+  std::int64_t source_bytes_ = 0;
 };
 
 }  // namespace micro

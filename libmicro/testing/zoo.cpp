@@ -45,6 +45,13 @@ HeightField a_metre_up() {
   return make_height_field(surface.z.cast<double>() + 1e6, surface.dx, surface.dy);
 }
 
+/// A dust grain, or a pixel that the instrument made up.
+HeightField with_spike(double height) {
+  HeightField surface = make_gaussian_surface({}, 1);
+  surface.z(20, 30) += static_cast<float>(height);
+  return surface;
+}
+
 const std::vector<ZooEntry>& zoo() {
   static const std::vector<ZooEntry> entries = {
       {"rough", [] { return make_gaussian_surface({}, 1); }},
@@ -94,6 +101,9 @@ const std::vector<ZooEntry>& zoo() {
          });
        }},
       {"a_metre_up", a_metre_up},
+      {"a_spike_of_ten_micrometres", [] { return with_spike(10); }},
+      {"a_spike_of_a_millimetre", [] { return with_spike(1000); }},
+      {"a_spike_of_ten_to_the_thirty", [] { return with_spike(1e30); }},
   };
   return entries;
 }

@@ -1,0 +1,68 @@
+#include "kirchhoff/disk_geometry.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "kirchhoff/combine.h"
+
+namespace micro {
+namespace {
+
+/// Lengths whose transforms are fast: 2^a·{1, 3, 5, 9, 15}, a ≥ 4.
+std::int64_t transform_length(std::int64_t n) {
+  std::int64_t best = 16;
+  while (best < n)
+    best *= 2;
+  for (const std::int64_t odd : {3, 5, 9, 15}) {
+    std::int64_t length = 16 * odd;
+    while (length < n)
+      length *= 2;
+    best = std::min(best, length);
+  }
+  return best;
+}
+
+}  // namespace
+
+DiskGeometry make_disk_geometry(const HeightField& surface, const DiskGrid& grid, double lambda_q,
+                                const SpectralChoice& choice) {
+  DiskGeometry g{};
+  const double radius = 4 * std::numbers::pi / lambda_q;
+  g.sphere = radius * radius;
+  g.step = radius * grid.spacing();
+  g.half = (grid.size - 1) / 2;
+  // A hair below 1.25 is as good: 1280 for 1025.
+  const auto wanted = static_cast<std::int64_t>(std::ceil(grid.size * choice.oversampling * 0.999));
+  g.length = transform_length(std::max<std::int64_t>(wanted, grid.size + 2 * kColumnPadding));
+  g.pitch = 2 * std::numbers::pi / g.step / static_cast<double>(g.length);
+  const double reach = choice.kernel_width / 2.0;
+  const auto last = [&](double extent) {
+    return static_cast<std::int64_t>(std::floor(extent / g.pitch + reach)) + 1;
+  };
+  g.x_begin = g.y_begin = static_cast<std::int64_t>(std::ceil(-reach));
+  g.x_end = last(static_cast<double>(surface.cols() - 1) * surface.dx);
+  g.y_end = last(static_cast<double>(surface.rows() - 1) * surface.dy);
+  return g;
+}
+
+WaveRange wave_range(double radius, const DiskGrid& grid) {
+  const double sine = grid.outermost_sine();
+  return {radius * std::sqrt(1 - sine * sine), radius};
+}
+
+FacetPhases facet_phases(double radius, const DiskGrid& grid) {
+  return {radius, grid.outermost_sine()};
+}
+
+SpectralWork disk_work(const DiskGeometry& g, const HeightField& surface, const SpectralChoice& choice,
+                       std::int64_t steep_points, int terms) {
+  SpectralWork work;
+  work.terms = terms;
+  work.fft_length = g.length;
+  work.transforms = (std::int64_t{terms} + 1) / 2 * (g.rows() + 2 * g.half + 1);
+  work.steep_points = steep_points;
+  work.spread = spread_work(surface, choice, g.x_end - g.x_begin, steep_points, terms);
+  return work;
+}
+
+}  // namespace micro
