@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 
@@ -24,6 +25,21 @@ TEST(GriddingKernel, SpectrumAndSlopeBelongToIt) {
     for (const double x : {-0.9 * w, -0.2 * w, 0.0, 0.5 * w})
       EXPECT_NEAR(kernel(x).slope, (kernel(x + 1e-6).k - kernel(x - 1e-6).k) / 2e-6, 1e-6 / w);
     EXPECT_EQ(kernel(1.01 * w).k, 0);
+  }
+}
+
+TEST(GriddingKernelTable, IsTheKernelToNineDigits) {
+  for (const int width : {3, 6, 10, 14}) {
+    const GriddingKernel kernel(width, 1.25, 0.1);
+    const GriddingKernelTable table(kernel);
+    double worst = 0;
+    for (int s = -12345; s <= 12345; ++s) {
+      const double x = kernel.half_width() * s / 12000.5;  // not where the kernel jumps to zero
+      worst = std::max(worst, std::abs(table(x) - kernel(x).k));
+    }
+    EXPECT_LE(worst, 1e-9) << width;
+    EXPECT_EQ(table(0), 1) << width;
+    EXPECT_EQ(table(-1.001 * kernel.half_width()), 0) << width;
   }
 }
 
