@@ -22,8 +22,9 @@ constexpr std::size_t kFewNodes = 1024, kManyNodes = 16384;
 constexpr Eigen::Index kSmall = 257;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Steps on a few nodes are cheap; on a large table what needs more is no lobe.
-constexpr int kMostSteps = 100, kMostOnLarge = 20;
+/// Steps on a few nodes are cheap; on a large table what needs more is no lobe, or one that falls between the
+/// nodes, whose widths further steps would not tell.
+constexpr int kMostSteps = 100, kMostOnLarge = 20, kMostUnresolved = 5;
 constexpr double kResolved = 2;  // nodes across
 
 /// When a descent has converged: when the next step would move nothing by more than `tolerance` widths, or
@@ -279,10 +280,12 @@ Fit conclude(const Descent& end, TableEquations& equations, const DiskTable& tab
   result.undetermined = canonical.round ? "theta_z: the lobe is round" : "";
   const std::string barely = barely_known(result.step_covariance);
   result.undetermined += (barely.empty() || result.undetermined.empty() ? "" : "; ") + barely;
-  result.status = !end.converged                    ? FitStatus::NotConverged
-                  : !result.misfit.empty()          ? FitStatus::Misfit
-                  : result.nodes_across < kResolved ? FitStatus::Unresolved
-                                                    : FitStatus::Converged;
+  // Where the lobe falls between the nodes steps may wander for ever, within a node.
+  const bool unresolved = result.nodes_across < kResolved && result.misfit.empty();
+  result.status = unresolved               ? FitStatus::Unresolved
+                  : !end.converged         ? FitStatus::NotConverged
+                  : !result.misfit.empty() ? FitStatus::Misfit
+                                           : FitStatus::Converged;
   return result;
 }
 
@@ -294,8 +297,11 @@ Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
   const Descent start = descend_on_strides(descend_on_core(table, model, weighting), table, model, weighting);
   TableEquations equations(table);
   const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
+  const bool resolved = nodes_across(start.frame, model, table.grid) >= kResolved / 2;
   const Accuracy accuracy{.tolerance = kTolerance,
-                          .most = table.grid.size < kSmall ? kMostSteps : kMostOnLarge};
+                          .most = table.grid.size < kSmall ? kMostSteps
+                                  : resolved               ? kMostOnLarge
+                                                           : kMostUnresolved};
   Fit result =
       conclude(descend(start.frame, kDamping, accuracy, equations_at), equations, table, model, weighting);
   result.iterations += start.iterations;

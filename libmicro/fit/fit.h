@@ -10,7 +10,7 @@ namespace micro {
 /// How a fit ended.
 enum class FitStatus {
   Converged,     ///< a minimum was reached, and the table determines all that it was asked for
-  Unresolved,    ///< converged, but the lobe is narrower than two nodes: widths are uncertain by about a node
+  Unresolved,    ///< the lobe is narrower than two nodes: widths are uncertain by about a node
   Undetermined,  ///< the table leaves a combination of the parameters free
   NotConverged,  ///< the steps ran out
   Misfit,        ///< a minimum, but less than half of the energy is where the lobe has it, see `overlap`
