@@ -13,6 +13,7 @@
 #include "distribution/scatter.h"
 #include "fit/identify.h"
 #include "fit/overlap.h"
+#include "fit/quadric_start.h"
 
 namespace micro {
 namespace {
@@ -24,7 +25,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Steps on a few nodes are cheap; on a large table what needs more is no lobe, or one that falls between the
 /// nodes, whose widths further steps would not tell.
-constexpr int kMostSteps = 100, kMostOnLarge = 20, kMostUnresolved = 5;
+constexpr int kMostSteps = 100, kMostOnLarge = 20, kMostUnresolved = 10;
 constexpr double kResolved = 2;  // nodes across
 
 /// When a descent has converged: when the next step would move nothing by more than `tolerance` widths, or
@@ -131,8 +132,8 @@ NodeSpan span_of(const TableNodes& nodes) {
   return {nodes.x.data(), nodes.y.data(), nodes.density.data(), static_cast<std::int64_t>(nodes.size())};
 }
 
-/// The best descent on the core's nodes. The second start is for tables that the model fits badly: several
-/// lobes, a spike on a broad base.
+/// The best descent on the core's nodes, from the scatter or from the quadric that fits it. Another start is
+/// for tables that the model fits badly: several lobes, a spike on a broad base.
 Descent descend_on_core(const DiskTable& table, FitModel model, Weighting weighting) {
   constexpr double kDamping = 1e-3, kGood = 0.25;
   constexpr Accuracy kRough{.tolerance = 1e-3};  // the whole table takes it from there
@@ -141,7 +142,9 @@ Descent descend_on_core(const DiskTable& table, FitModel model, Weighting weight
     return normal_equations(span_of(core), frame, model, weighting);
   };
   const SlopeFrame scatter = slope_scatter(core, table.grid);
-  Descent best = descend(scatter, kDamping, kRough, equations_at);
+  const auto quadric = quadric_start(core, scatter, model, weighting);
+  const bool by_quadric = quadric && equations_at(*quadric).cost < equations_at(scatter).cost;
+  Descent best = descend(by_quadric ? *quadric : scatter, kDamping, kRough, equations_at);
   if (best.equations.cost <= kGood * kGood * best.equations.data) return best;
   Descent other = descend(peak_start(core, scatter), kDamping, kRough, equations_at);
   other.iterations += best.iterations;
@@ -231,18 +234,18 @@ std::optional<Fit> empty_fit(const DiskTable& table, FitModel model) {
 }
 
 /// What is wrong with a lobe or its table, in words. A distribution holds the energy 1 at most; a lobe
-/// between the nodes of a table may seem to hold more.
+/// between the nodes of a table, or at the horizon, may seem to hold more, and so does its table.
 std::string misfit_of(const Fit& fit, const DiskTable& table) {
   constexpr double kMostEnergy = 2;  // errors of estimated tables stay far below
   constexpr double kLeastOverlap = 0.5;
   const double energy = table.density.sum() * table.grid.spacing() * table.grid.spacing();
   std::ostringstream text;
   text << std::setprecision(3);
-  const bool elsewhere = !(fit.overlap >= kLeastOverlap);
-  if (energy > kMostEnergy && (elsewhere || !(fit.nodes_across < kResolved)))
+  if (fit.overlap >= kLeastOverlap) return "";
+  if (energy > kMostEnergy)
     text << "the table holds " << energy
          << " times the energy of a distribution: its densities are not per steradian";
-  else if (elsewhere)
+  else
     text << "of the energy only the part " << fit.overlap << " is where the lobe has it";
   return text.str();
 }
@@ -297,7 +300,8 @@ Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
   const Descent start = descend_on_strides(descend_on_core(table, model, weighting), table, model, weighting);
   TableEquations equations(table);
   const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
-  const bool resolved = nodes_across(start.frame, model, table.grid) >= kResolved / 2;
+  const bool resolved = weighting == Weighting::Log ||  // tails tell of the width
+                        nodes_across(start.frame, model, table.grid) >= kResolved / 2;
   const Accuracy accuracy{.tolerance = kTolerance,
                           .most = table.grid.size < kSmall ? kMostSteps
                                   : resolved               ? kMostOnLarge

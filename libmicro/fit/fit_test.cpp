@@ -370,6 +370,24 @@ TEST(Fit, AMirrorsPeakIsNotResolvedWhereverItsStepsEnd) {
   }
 }
 
+// Ridges across the whole disk, far longer than it: by scatter alone they ended beside the ridge.
+TEST(Fit, NeedlesFarLongerThanTheDiskAreRecovered) {
+  for (const int size : {129, 257})
+    for (const double across : {2.5, 4., 10.})
+      for (const double length : {1., 10., 100., 1000.})
+        for (const double turn : {0., 0.3, 0.7, 2.}) {
+          const DiskGrid grid{size, 1};
+          const EllipsoidParameters parameters = {length, across * grid.spacing() / 1.28, 0, 0, turn};
+          const DiskTable table = tabulate(Ellipsoid(slope_frame(parameters)), grid);
+          const Fit found = fit(table, FitModel::EllipsoidNdf);
+          EXPECT_LE(found.rel_rms, kRecovered) << size << ' ' << across << ' ' << length << ' ' << turn;
+          // How long a ridge is, and where along it its middle, a table that ends before it may not tell.
+          EXPECT_TRUE(found.status == FitStatus::Converged || found.status == FitStatus::Undetermined)
+              << name_of(found.status);
+          EXPECT_NEAR(found.parameters.alpha_y, parameters.alpha_y, 1e-4 * parameters.alpha_y);
+        }
+}
+
 TEST(Fit, SaysThatThereIsNothing) {
   const Fit empty = fit(make_disk_table({101, 1}), FitModel::EllipsoidNdf);
   EXPECT_EQ(empty.status, FitStatus::Empty);

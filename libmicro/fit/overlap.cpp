@@ -28,27 +28,56 @@ std::size_t part_of(double v1, double v2, double z, const Radii& radii) {
   return part;
 }
 
-/// Sums over blocks of `side`² nodes, each block's energy taken at its middle.
+/// Some nodes of a table side by side, from (j, i).
+struct Block {
+  Eigen::Index j, i, rows, cols;
+};
+
+/// Energies of table and lobe in each part.
+struct Energies {
+  std::array<double, kParts> table{}, lobe{};
+};
+
+/// Adds a block's energies, taken at its middle.
+template <typename Shape>
+void add_block(const Block& block, const SlopeFrame& frame, const Radii& radii, const DiskTable& table,
+               Energies& energies) {
+  const auto& [j, i, rows, cols] = block;
+  const double y = (table.grid.coordinate(j) + table.grid.coordinate(j + rows - 1)) / 2,
+               x = (table.grid.coordinate(i) + table.grid.coordinate(i + cols - 1)) / 2,
+               z2 = 1 - x * x - y * y;
+  if (!(z2 > 0)) return;
+  const double z = std::sqrt(z2), v1 = (x + frame.centre.x() * z) / frame.l11,
+               v2 = (y + frame.centre.y() * z - frame.l21 * v1) / frame.l22;
+  const std::size_t part = part_of(v1, v2, z, radii);
+  energies.table[part] += table.density.block(j, i, rows, cols).sum();
+  energies.lobe[part] += Shape::density(v1 * v1 + v2 * v2, z) * static_cast<double>(rows * cols);
+}
+
 template <typename Shape>
 double overlap_with(const SlopeFrame& frame, const Radii& radii, const DiskTable& table, Eigen::Index side) {
   const DiskGrid& grid = table.grid;
   const Eigen::Index n = grid.size;
-  const double area = grid.spacing() * grid.spacing(), inverse11 = 1 / frame.l11, inverse22 = 1 / frame.l22;
-  std::array<double, kParts> of_table{}, of_lobe{};
+  // Nearer to the horizon a lobe wider than the hemisphere changes from node to node, however wide it is.
+  const double steep = 16 * grid.spacing() * static_cast<double>(side);
+  Energies energies;
   for (Eigen::Index j = 0; j < n; j += side)
     for (Eigen::Index i = 0; i < n; i += side) {
-      const Eigen::Index rows = std::min(side, n - j), cols = std::min(side, n - i);
-      const double y = (grid.coordinate(j) + grid.coordinate(j + rows - 1)) / 2,
-                   x = (grid.coordinate(i) + grid.coordinate(i + cols - 1)) / 2, z2 = 1 - x * x - y * y;
-      if (!(z2 > 0)) continue;
-      const double z = std::sqrt(z2), v1 = (x + frame.centre.x() * z) * inverse11,
-                   v2 = (y + frame.centre.y() * z - frame.l21 * v1) * inverse22;
-      const std::size_t part = part_of(v1, v2, z, radii);
-      of_table[part] += table.density.block(j, i, rows, cols).sum() * area;
-      of_lobe[part] += Shape::density(v1 * v1 + v2 * v2, z) * static_cast<double>(rows * cols);
+      const Block block = {j, i, std::min(side, n - j), std::min(side, n - i)};
+      if (side == 1 || grid.mz2(j, i) > steep) {
+        add_block<Shape>(block, frame, radii, table, energies);
+        continue;
+      }
+      for (Eigen::Index row = 0; row < block.rows; ++row)
+        for (Eigen::Index col = 0; col < block.cols; ++col)
+          add_block<Shape>({j + row, i + col, 1, 1}, frame, radii, table, energies);
     }
-  for (double& energy : of_lobe)
-    energy *= area * inverse11 * inverse22;
+  const double area = grid.spacing() * grid.spacing(), determinant = frame.l11 * frame.l22;
+  for (std::size_t k = 0; k < kParts; ++k) {
+    energies.table[k] *= area;
+    energies.lobe[k] *= area / determinant;
+  }
+  const auto& [of_table, of_lobe] = energies;
   double shared = 0, whole_table = 0, whole_lobe = 0;
   for (std::size_t k = 0; k < kParts; ++k) {
     shared += std::min(std::max(of_table[k], 0.), of_lobe[k]);

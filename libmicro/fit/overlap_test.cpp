@@ -40,6 +40,18 @@ TEST(Overlap, IsOneForTheLobeItself) {
   }
 }
 
+// Most of such lobes' energy is within a node of the horizon.
+TEST(Overlap, IsOneForALobeThatIsWiderThanTheHemisphere) {
+  const DiskGrid grid{129, 1};
+  for (const EllipsoidParameters& lobe :
+       {EllipsoidParameters{100, 0.12, 0, 0, 0.3}, EllipsoidParameters{1000, 1000, 0, 0, 0}})
+    for (const double across : {kNarrow, kWide})
+      EXPECT_NEAR(overlap(tabulate(Ellipsoid(slope_frame(lobe)), grid), slope_frame(lobe),
+                          FitModel::EllipsoidNdf, across),
+                  1, 1e-2)
+          << lobe.alpha_x;
+}
+
 TEST(Overlap, IsThePartOfTheEnergyAndNothingElsewhere) {
   DiskTable part = tabulate(ggx(0.1), {257, 1});
   part.density *= 0.3;
