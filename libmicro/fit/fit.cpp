@@ -209,12 +209,13 @@ std::string_view name_of(FitStatus status) {
 
 namespace {
 
-/// Does any node on the disk hold something?
+/// Does any node on the disk hold something, whose square is a number?
 bool holds_something(const DiskTable& table) {
+  constexpr double kNothing = 1e-140;
   const Eigen::Index n = table.grid.size;
   for (Eigen::Index j = 0; j < n; ++j)
     for (Eigen::Index i = 0; i < n; ++i)
-      if (table.density(j, i) > 0 && table.grid.mz2(j, i) > 0) return true;
+      if (table.density(j, i) > kNothing && table.grid.mz2(j, i) > 0) return true;
   return false;
 }
 

@@ -263,6 +263,15 @@ TEST(Fit, SaysWhenTheTableIsNoDistribution) {
   }
 }
 
+// Beckmann's lobe far beyond the table's extent: densities whose squares are zero.
+TEST(Fit, TheFarTailOfALobeElsewhereIsNothing) {
+  DiskTable table = tabulate(Beckmann(slope_frame({0.02, 0.015, 0.9, 0, 0})), {129, 0.23});
+  table.density = table.density.min(1e-141);
+  ASSERT_GT(table.density.maxCoeff(), 0);
+  for (const Weighting weighting : {Weighting::SolidAngle, Weighting::Log})
+    EXPECT_EQ(fit(table, FitModel::BeckmannNdf, weighting).status, FitStatus::Empty);
+}
+
 TEST(Fit, SaysWhenNothingIsOnTheDisk) {
   DiskTable table = make_disk_table({65, 1});
   table.density(0, 0) = 3;

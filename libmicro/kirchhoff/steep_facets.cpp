@@ -163,7 +163,6 @@ SteepFacets find_steep_facets(const QuadratureLattice& lattice, const FacetPhase
 
 std::vector<SurfacePoint> facet_points(const QuadratureLattice& lattice, const SteepFacets& steep,
                                        const FacetPhases& phases) {
-  constexpr std::int64_t kFacets = 256;
   std::vector<SurfacePoint> points(static_cast<std::size_t>(steep.points()));
   parallel_blocks(static_cast<std::int64_t>(steep.facets.size()), kFacets,
                   [&](std::int64_t begin, std::int64_t end) {
