@@ -13,46 +13,61 @@ Vector5 vector_of(const SlopeCoordinates& p) {
 }
 
 /// Covariance of slope coordinates from that of a step of the frame, by central differences.
-Matrix5 coordinate_covariance(const Fit& fit) {
+Matrix5 coordinate_covariance(const SlopeFrame& frame, const Matrix5& step_covariance) {
   constexpr double kStep = 1e-4;  // widths
   Matrix5 jacobian;
   for (int k = 0; k < 5; ++k) {
     const Vector5 step = kStep * Vector5::Unit(k);
-    jacobian.col(k) = (vector_of(slope_coordinates(moved(fit.frame, step))) -
-                       vector_of(slope_coordinates(moved(fit.frame, -step)))) /
+    jacobian.col(k) = (vector_of(slope_coordinates(moved(frame, step))) -
+                       vector_of(slope_coordinates(moved(frame, -step)))) /
                       (2 * kStep);
   }
-  return jacobian * fit.step_covariance * jacobian.transpose();
+  return jacobian * step_covariance * jacobian.transpose();
 }
 
 /// What texels are usually like: their mean, the covariance between them less that of their errors, and the
-/// covariance of the error that one independent normal would leave.
+/// covariance of the step that one independent normal would leave: in a lobe's own widths, of which wide and
+/// narrow ones err by as many.
 struct Usual {
   Vector5 mean = Vector5::Zero();
   Matrix5 between = Matrix5::Zero(), one_normal = Matrix5::Zero();
   std::int64_t texels = 0;
+
+  Matrix5 error_of(const Texel& texel) const {
+    return coordinate_covariance(texel.fit.frame, one_normal / std::max(texel.independent, 1e-3));
+  }
 };
+
+/// Whether a texel's scatter tells how much texels err: not where a lobe is narrower than what resolves it.
+bool tells_errors(const Texel& texel) {
+  return texel.fit.status == FitStatus::Converged &&
+         (texel.fit.step_covariance.diagonal().array() <= 1).all();  // squared widths
+}
 
 Usual usual(const Texels& texels, double enough) {
   Usual usual;
-  std::vector<Vector5> points;
-  Matrix5 error = Matrix5::Zero();
+  std::vector<const Texel*> known;
+  std::int64_t telling = 0;
   for (const Texel& texel : texels.texels) {
     if (texel.independent < enough || !texel.fit.step_covariance.allFinite()) continue;
-    points.push_back(vector_of(slope_coordinates(texel.fit.frame)));
-    usual.mean += points.back();
-    const Matrix5 own = coordinate_covariance(texel.fit);
-    error += own;
-    usual.one_normal += own * texel.independent;
+    known.push_back(&texel);
+    usual.mean += vector_of(slope_coordinates(texel.fit.frame));
+    if (!tells_errors(texel)) continue;
+    usual.one_normal += texel.fit.step_covariance * texel.independent;
+    ++telling;
   }
-  usual.texels = static_cast<std::int64_t>(points.size());
+  usual.texels = telling > 0 ? static_cast<std::int64_t>(known.size()) : 0;
   if (usual.texels < 2) return usual;
   const auto n = static_cast<double>(usual.texels);
   usual.mean /= n;
-  usual.one_normal /= n;
-  for (const Vector5& p : points)
-    usual.between += (p - usual.mean) * (p - usual.mean).transpose() / (n - 1);
-  const Eigen::SelfAdjointEigenSolver<Matrix5> solver(Matrix5(usual.between - error / n));
+  usual.one_normal /= static_cast<double>(telling);
+  Matrix5 error = Matrix5::Zero();
+  for (const Texel* texel : known) {
+    const Vector5 away = vector_of(slope_coordinates(texel->fit.frame)) - usual.mean;
+    usual.between += away * away.transpose() / (n - 1);
+    error += usual.error_of(*texel) / n;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix5> solver(Matrix5(usual.between - error));
   usual.between = solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).asDiagonal() *
                   solver.eigenvectors().transpose();
   return usual;
@@ -83,7 +98,7 @@ void shrink_few(Texels& texels, double enough) {
   }
   for (const std::size_t k : few) {
     Texel& texel = texels.texels[k];
-    const Matrix5 error = known.one_normal / std::max(texel.independent, 1e-3);
+    const Matrix5 error = known.error_of(texel);
     const Vector5 away = vector_of(slope_coordinates(texel.fit.frame)) - known.mean;
     // The ridge is for directions in which nothing varies and nothing errs.
     const double ridge = 1e-12 * (known.between + error).trace() + 1e-300;

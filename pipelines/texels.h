@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 
@@ -56,9 +57,13 @@ Texels texels_of_scans(const ScanListing& listing, const TexelLayout& layout, co
 
 /// Draws texels of fewer than `enough` independent normals towards the mean of the others, in slope
 /// coordinates: µ + B(B + E)⁻¹(p − µ), B the covariance between texels less what errors add to it, E the
-/// texel's own error, which is taken from all texels' and the number of its normals. Says what it did in the
-/// plan.
+/// texel's own error: so many of its own widths, which is taken from all texels whose lobes were resolved,
+/// and the number of its normals. Says what it did in the plan.
 void shrink_few(Texels& texels, double enough);
+
+/// The scale of a lobe (xx, xy, yy) as float32, rounded outwards: positive definite however thin and turned
+/// the lobe is, where the nearest numbers are not from widths of 1:4000 on.
+std::array<float, 3> stored_scale(const SlopeFrame& frame);
 
 /// Writes /texels (docs/design.md has its layout).
 void write_texels(Hdf5Writer& file, const Texels& texels);

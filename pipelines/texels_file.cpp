@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -34,7 +35,31 @@ void write_axes(Hdf5Writer& file, const Texels& texels) {
   axis("x", texels.cols, texels.width);
 }
 
+/// The float next to a number on the side away from zero, or the number itself.
+float rounded_up(double value) {
+  const auto nearest = static_cast<float>(value);
+  return static_cast<double>(nearest) < value ? std::nextafter(nearest, INFINITY) : nearest;
+}
+
+/// The same towards zero.
+float rounded_to_zero(double value) {
+  const auto nearest = static_cast<float>(value);
+  return std::abs(static_cast<double>(nearest)) > std::abs(value) ? std::nextafter(nearest, 0.F) : nearest;
+}
+
 }  // namespace
+
+std::array<float, 3> stored_scale(const SlopeFrame& frame) {
+  const Eigen::Matrix2d scale = frame.scale();
+  std::array<float, 3> stored = {rounded_up(scale(0, 0)), rounded_to_zero(scale(0, 1)),
+                                 rounded_up(scale(1, 1))};
+  const auto determinant = [&] {  // of products that are exact
+    return static_cast<double>(stored[0]) * stored[2] - static_cast<double>(stored[1]) * stored[1];
+  };
+  // Where all three happen to be floats, the determinant is lost in double already.
+  if (!(determinant() > 0)) stored[1] = std::nextafter(stored[1], 0.F);
+  return stored;
+}
 
 void write_texels(Hdf5Writer& file, const Texels& texels) {
   file.create_group("/texels");
@@ -63,10 +88,8 @@ void write_texels(Hdf5Writer& file, const Texels& texels) {
     out[1] = static_cast<float>(texel.fit.frame.centre.y());
   });
   write_numbers(file, texels, "scale", {"xx", "xy", "yy"}, [](const Texel& texel, float* out) {
-    const Eigen::Matrix2d scale = texel.fit.frame.scale();
-    out[0] = static_cast<float>(scale(0, 0));
-    out[1] = static_cast<float>(scale(0, 1));
-    out[2] = static_cast<float>(scale(1, 1));
+    const std::array<float, 3> scale = stored_scale(texel.fit.frame);
+    std::copy(scale.begin(), scale.end(), out);
   });
   write_numbers(file, texels, "rel_rms", {"rel_rms"},
                 [](const Texel& texel, float* out) { *out = static_cast<float>(texel.fit.rel_rms); });

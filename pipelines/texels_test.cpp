@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -246,6 +247,73 @@ TEST_F(TexelsOfScans, ShrinkWhereNormalsAreFew) {
   request.block = Vec2(33, 33);  // nine texels tell nothing of what is usual
   request.enough = 1e4;
   EXPECT_EQ(texels(request).states[0], TexelState::Few);
+}
+
+TEST(StoredScale, IsPositiveDefiniteForAnyNeedle) {
+  constexpr double kFloat = 3e-7;  // of the wider axis
+  for (const double narrow : {1e-2, 1e-4, 1e-6, 1e-8})
+    for (int k = 0; k < 50; ++k) {
+      const SlopeFrame frame = frame_of({0.1, 0, std::log(0.3), 0, std::log(0.3 * narrow)});
+      const Eigen::Matrix2d turn = Eigen::Rotation2Dd(0.13 * k).toRotationMatrix(),
+                            scale = turn * frame.scale() * turn.transpose();
+      SlopeFrame turned;
+      turned.l11 = std::sqrt(scale(0, 0));
+      turned.l21 = scale(0, 1) / turned.l11;
+      turned.l22 = 0.3 * 0.3 * narrow / turned.l11;
+      const std::array<float, 3> stored = stored_scale(turned);
+      EXPECT_GT(static_cast<double>(stored[0]) * stored[2] - static_cast<double>(stored[1]) * stored[1], 0)
+          << narrow << " " << k;
+      EXPECT_NEAR(stored[0], scale(0, 0), kFloat * 0.09);
+      EXPECT_NEAR(stored[1], scale(0, 1), kFloat * 0.09);
+      EXPECT_NEAR(stored[2], scale(1, 1), kFloat * 0.09);
+    }
+}
+
+/// A texel of 20 independent normals with a round lobe; each step's error is so many widths.
+Texel made_texel(double width, double error, FitStatus status) {
+  Texel texel;
+  texel.normals = 1000;
+  texel.independent = 20;
+  texel.fit.frame = {{0, 0}, width, 0, width};
+  texel.fit.status = status;
+  texel.fit.step_covariance = error * error * Matrix5::Identity();
+  return texel;
+}
+
+TEST(ShrinkFew, LeavesWideLobesWideBesideFlatTexels) {
+  // Half of a sheet is flat: lobes narrower than what resolves them, whose errors, in widths, tell nothing of
+  // the others'. What varies between texels is then far more than their error.
+  constexpr double kOfItself = 0.05;
+  Texels texels;
+  for (int k = 0; k < 20; ++k)
+    texels.texels.push_back(k % 2 == 0 ? made_texel(0.3 + 0.01 * k, 0.1, FitStatus::Converged)
+                                       : made_texel(1e-7, k % 4 == 1 ? 300 : 1e-4, FitStatus::Unresolved));
+  texels.states.assign(20, TexelState::Fitted);
+  shrink_few(texels, 50);
+  for (std::size_t k = 0; k < 20; k += 2) {
+    EXPECT_EQ(texels.states[k], TexelState::Shrunk);
+    EXPECT_NEAR(texels.texels[k].fit.frame.l11, 0.3 + 0.01 * static_cast<double>(k), kOfItself);
+    EXPECT_NEAR(std::log(texels.texels[k + 1].fit.frame.l11), std::log(1e-7), 0.5);
+  }
+}
+
+TEST(ShrinkFew, DrawsByWhatVariesOverThatPlusTheError) {
+  // Both widths' logarithms go together, with variance v about their mean, and each is known to e. Along that
+  // direction texels vary by 2v, of which e² is error: drawn to 1 − e²/2v of their distance.
+  constexpr double kError = 0.2;
+  Texels texels;
+  double variance = 0;
+  const auto away = [](int k) { return 0.06 * (k - 9.5); };
+  for (int k = 0; k < 20; ++k) {
+    texels.texels.push_back(made_texel(0.1 * std::exp(away(k)), kError, FitStatus::Converged));
+    variance += away(k) * away(k) / 19;
+  }
+  texels.states.assign(20, TexelState::Fitted);
+  shrink_few(texels, 50);
+  for (int k = 0; k < 20; ++k)
+    EXPECT_NEAR(std::log(texels.texels[static_cast<std::size_t>(k)].fit.frame.l11 / 0.1),
+                away(k) * (1 - kError * kError / (2 * variance)), 1e-6)
+        << k;
 }
 
 TEST_F(TexelsOfScans, AreTheSameForAnyNumberOfThreads) {

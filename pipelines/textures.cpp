@@ -74,10 +74,8 @@ class TextureDatasets {
            out[1] = static_cast<float>(frame.centre.y());
          }));
     fill("scale", part, 3, numbers(field, 3, [](const SlopeFrame& frame, float* out) {
-           const Eigen::Matrix2d scale = frame.scale();
-           out[0] = static_cast<float>(scale(0, 0));
-           out[1] = static_cast<float>(scale(0, 1));
-           out[2] = static_cast<float>(scale(1, 1));
+           const std::array<float, 3> scale = stored_scale(frame);
+           std::copy(scale.begin(), scale.end(), out);
          }));
   }
 

@@ -53,6 +53,52 @@ TEST_F(TextureCommand, WritesTexelsTextureAndJson) {
   EXPECT_FALSE(std::filesystem::exists(out + "/texture.exr"));
 }
 
+TEST_F(TextureCommand, SaysWhatRanAndWhatWasLeftOutAndWhy) {
+  const std::string out = file("out");
+  // {stage: [ran, reason]} as --json has it; /plan of the file says the same.
+  const auto plan_of = [&](const std::string& arguments) {
+    const auto made = run("texture " + scans() + " -o " + out + " --json " + arguments);
+    EXPECT_EQ(made.code, 0) << arguments;
+    const nlohmann::json plan = nlohmann::json::parse(made.out).at("plan");
+    EXPECT_EQ(nlohmann::json::parse(Hdf5Reader(out + "/texture.h5").read_text("/plan")), plan) << arguments;
+    nlohmann::json stages;
+    for (const auto& stage : plan)
+      stages[stage.at("stage")] = {stage.at("ran"), stage.at("reason")};
+    return stages;
+  };
+  using nlohmann::json;
+  json plan = plan_of("--size 8x4 --seed 3");
+  EXPECT_EQ(plan.at("layout"), json({true, "one strip along x, in the listing's order"}));
+  EXPECT_EQ(plan.at("texels"),
+            json({true, "1 x 3 of 3 scans, 3 fits converged, 0 gaps, about 32 independent normals each"}));
+  EXPECT_EQ(plan.at("common tilt").at(0), true);
+  EXPECT_EQ(plan.at("shrinkage"),
+            json({false,
+                  "3 texels of fewer than 50 independent normals, but too few texels to "
+                  "tell what is usual"}));
+  EXPECT_EQ(
+      plan.at("texture"),
+      json(
+          {true,
+           "4 x 8 texels, joint from 1 strip along x and no strip along y, marginals exemplar, taper hann"}));
+  EXPECT_EQ(plan.at("minification"), json({true, "4 levels, each texel refitted"}));
+  plan = plan_of(
+      "--layout 'r{row}_c{col}' --texel 5um --enough 9 --level plane --size 1 --recipe full --marginals "
+      "gaussian --taper none");
+  EXPECT_EQ(plan.at("layout").at(1), "by names, r{row}_c{col}");
+  EXPECT_EQ(plan.at("common tilt"), json({false, "scans were levelled one by one"}));
+  EXPECT_EQ(plan.at("shrinkage"),
+            json({true, "48 texels of fewer than 9 independent normals drawn towards the mean"}));
+  EXPECT_EQ(plan.at("texture").at(1), "1 x 1 texels, full from a block, marginals gaussian, taper none");
+  EXPECT_EQ(plan.at("minification"), json({false, "one texel has no coarser level"}));
+  plan = plan_of("--enough 0 --size 8 --no-levels");
+  EXPECT_EQ(plan.at("shrinkage"), json({false, "every texel has 0 independent normals or more"}));
+  EXPECT_EQ(plan.at("minification"), json({false, "--no-levels"}));
+  plan = plan_of("--no-texture");
+  EXPECT_EQ(plan.at("texture"), json({false, "--no-texture"}));
+  EXPECT_FALSE(plan.contains("minification"));
+}
+
 TEST_F(TextureCommand, RefusesWhatMakesNoSense) {
   const std::string command = "texture " + scans() + " -o " + file("out");
   EXPECT_EQ(run(command + " --size 0").code, 2);
