@@ -48,8 +48,11 @@ Usual usual(const Texels& texels, double enough) {
   Usual usual;
   std::vector<const Texel*> known;
   std::int64_t telling = 0;
-  for (const Texel& texel : texels.texels) {
-    if (texel.independent < enough || !texel.fit.step_covariance.allFinite()) continue;
+  for (std::size_t k = 0; k < texels.texels.size(); ++k) {
+    const Texel& texel = texels.texels[k];
+    if (texels.states[k] == TexelState::Gap || texel.independent < enough ||
+        !texel.fit.step_covariance.allFinite())
+      continue;
     known.push_back(&texel);
     usual.mean += vector_of(slope_coordinates(texel.fit.frame));
     if (!tells_errors(texel)) continue;

@@ -297,6 +297,18 @@ TEST(ShrinkFew, LeavesWideLobesWideBesideFlatTexels) {
   }
 }
 
+TEST(ShrinkFew, CountsNoGaps) {
+  // Equal texels stay where they are, whatever stands in the gaps between them.
+  Texels texels;
+  for (int k = 0; k < 40; ++k)
+    texels.texels.push_back(k % 2 == 0 ? made_texel(0.1, 0.1, FitStatus::Converged) : Texel{});
+  for (int k = 0; k < 40; ++k)
+    texels.states.push_back(k % 2 == 0 ? TexelState::Fitted : TexelState::Gap);
+  shrink_few(texels, 50);
+  for (std::size_t k = 0; k < 40; k += 2)
+    EXPECT_NEAR(texels.texels[k].fit.frame.l11, 0.1, 1e-9);
+}
+
 TEST(ShrinkFew, DrawsByWhatVariesOverThatPlusTheError) {
   // Both widths' logarithms go together, with variance v about their mean, and each is known to e. Along that
   // direction texels vary by 2v, of which e² is error: drawn to 1 − e²/2v of their distance.
