@@ -1,6 +1,7 @@
 #include "pipelines/texel_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -40,28 +41,54 @@ Places places_by_name(const ScanListing& listing, const std::string& pattern) {
   return places;
 }
 
-Places places_by_manifest(const ScanListing& listing, const std::filesystem::path& path) {
+/// Without blanks about it.
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r");
+  return begin == text.npos ? "" : text.substr(begin, text.find_last_not_of(" \t\r") + 1 - begin);
+}
+
+/// A source as listings have it, from how people and spreadsheets write it: "./a.dat", quoted.
+std::string listed_source(std::string text) {
+  if (text.size() > 1 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+  return std::filesystem::path(text).lexically_normal().string();
+}
+
+/// A line `source,row,col`, split at its last two commas.
+std::optional<std::array<std::string, 3>> fields_of(const std::string& line) {
+  const std::size_t second = line.rfind(','),
+                    first = second == line.npos || second == 0 ? line.npos : line.rfind(',', second - 1);
+  if (first == line.npos) return std::nullopt;
+  return std::array{trimmed(line.substr(0, first)), trimmed(line.substr(first + 1, second - first - 1)),
+                    trimmed(line.substr(second + 1))};
+}
+
+std::map<std::string, Place> read_manifest(const std::filesystem::path& path) {
   std::ifstream file(path);
-  if (!file) throw FileError(path, "cannot be read");
+  if (!file || std::filesystem::is_directory(path)) throw FileError(path, "cannot be read");
   std::map<std::string, Place> known;
   int line_number = 0;
   for (std::string line; std::getline(file, line);) {
-    ++line_number;
-    line.erase(line.find_last_not_of(" \t\r") + 1);
+    const std::string at = "line " + std::to_string(++line_number);
+    if (line_number == 1 && line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);
+    line = trimmed(line);
     if (line.empty() || line.front() == '#') continue;
-    const std::size_t second = line.rfind(','), first = second == 0 ? line.npos : line.rfind(',', second - 1);
-    if (second == line.npos || first == line.npos || first >= second)
-      throw FileError(path, "line " + std::to_string(line_number) + " is not 'source,row,col'");
-    const auto row = number(line.substr(first + 1, second - first - 1)),
-               col = number(line.substr(second + 1));
-    if (!row || !col)
-      throw FileError(path,
-                      "line " + std::to_string(line_number) + " has no whole numbers for row and column");
-    known[line.substr(0, first)] = {*row, *col};
+    const auto fields = fields_of(line);
+    if (!fields) throw FileError(path, at + " is not 'source,row,col'");
+    const auto& [source, row_text, col_text] = *fields;
+    if (known.empty() && row_text == "row" && col_text == "col") continue;  // a table's head
+    const auto row = number(row_text), col = number(col_text);
+    if (!row || !col) throw FileError(path, at + " has no whole numbers for row and column");
+    if (!known.try_emplace(listed_source(source), Place{*row, *col}).second)
+      throw FileError(path, at + " gives " + source + " a second place");
   }
+  return known;
+}
+
+Places places_by_manifest(const ScanListing& listing, const std::filesystem::path& path) {
+  const std::map<std::string, Place> known = read_manifest(path);
   Places places;
   for (const ListedScan& scan : listing.scans) {
-    const auto found = known.find(scan.source);
+    const auto found = known.find(listed_source(scan.source));
     if (found == known.end()) throw FileError(path, "has no line for " + scan.source);
     places.push_back(found->second);
   }

@@ -50,6 +50,13 @@ TEST(TexelLayout, ReadsNamesAndManifests) {
   EXPECT_EQ(listed.cols, 3);
   EXPECT_EQ(listed.places[0]->col, 2);
   EXPECT_THROW(lay_out(listing_of({"z.dat"}), Manifest{path}), FileError);
+  // As spreadsheets and shells write it.
+  std::ofstream(path) << "\xef\xbb\xbfsource, row, col\r\n./c.dat , 1, -1\r\n\"sub/a,b.dat\",0,4";
+  const TexelLayout typed = lay_out(listing_of({"c.dat", "sub/a,b.dat"}), Manifest{path});
+  EXPECT_EQ(typed.rows, 2);
+  EXPECT_EQ(typed.cols, 6);
+  EXPECT_EQ(typed.places[0]->row, 1);
+  EXPECT_EQ(typed.places[1]->col, 5);
 }
 
 /// A scan with stage coordinates, µm; nothing is said of it if `x` is NaN.
@@ -102,6 +109,14 @@ TEST(TexelLayout, RefusesWhatMakesNoSense) {
   EXPECT_THROW(lay_out(listing_of({"r1.dat", "r999999999.dat"}), ByName{"r{row}"}), InputError);
   EXPECT_THROW(lay_out(listing_of({"r99999999999999999999.dat"}), ByName{"r{row}"}), InputError);
   EXPECT_THROW(lay_out(listing_of({"a.dat"}), Manifest{"/nowhere/at/all"}), FileError);
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "places.csv";
+  EXPECT_THROW(lay_out(listing_of({"a.dat"}), Manifest{folder.path()}), FileError);
+  for (const char* text : {"", "a.dat", "a.dat,1", "a.dat,1,", "a.dat,1,0.5", "a.dat,1,1\na.dat,2,2",
+                           "a.dat,1,9999999999999999999999", "b.dat,0,0\nsource,row,col\na.dat,0,1"}) {
+    std::ofstream(path) << text;
+    EXPECT_THROW(lay_out(listing_of({"a.dat"}), Manifest{path}), FileError) << text;
+  }
 }
 
 TEST(TexelsOfSurface, AreTheBlocksOfTheWholeSurfacesNormals) {

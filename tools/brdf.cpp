@@ -165,7 +165,7 @@ Run add_brdf(CLI::App& app) {
       ->check(CLI::Range(1, 1000));
   app.add_flag("--furnace", options->furnace, "White furnace of a perfect mirror, and reciprocity");
   app.add_option("--tol", options->tolerance, "Absolute error of albedos")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->capture_default_str();
   CLI::Option* table = app.add_flag(
       "--table", options->table, "The whole BRDF over 90 x 90 x 180 half and difference angles, as MERL's");

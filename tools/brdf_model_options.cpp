@@ -95,7 +95,7 @@ void add_brdf_model_options(CLI::App& app, BrdfModelOptions& options) {
       ->expected(1, 3);
   app.add_option("--smoothness", options.smoothness,
                  "Of --model sun: the surface's correlation length over its rms height")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number());
   app.add_option("--material", options.material,
                  "Al, Cu, Au, Ag, Fe, Cr, Ni, Ti, steel, mirror, or an index: 1.5 or 0.2,3.4")
       ->capture_default_str();
@@ -106,7 +106,7 @@ void add_brdf_model_options(CLI::App& app, BrdfModelOptions& options) {
                           ->check(CLI::Range(1., 100.));
   app.add_option("--coat-smoothness", options.coat_smoothness,
                  "Correlation length over rms height of the coat's upper face (default 1000)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_number())
       ->needs(coat);
   app.add_option("--form", options.form,
                  "Of --model sun and --coat: corrected, or printed as in the papers (docs/sun.md)")

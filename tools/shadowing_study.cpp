@@ -4,6 +4,7 @@
 
 #include "pipelines/output_lock.h"
 #include "tools/study_output.h"
+#include "tools/units.h"
 
 namespace micro::tools {
 namespace {
@@ -46,7 +47,9 @@ Run add_shadowing_study(CLI::App& app) {
   app.add_option("--profiles", options->study.profiles, "Profiles to trace, 4096 correlation lengths each")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
-  app.add_option("--seed", options->study.seed, "Seed of the profiles")->capture_default_str();
+  app.add_option("--seed", options->study.seed, "Seed of the profiles")
+      ->check(seed_number())
+      ->capture_default_str();
   add_common_options(app, options->common, "microbrdf study shadowing -o study");
   return [options] { return run(*options); };
 }

@@ -216,7 +216,7 @@ void add_shared_options(CLI::App& app, Options& options, const Kind& kind) {
   app.add_option("--rows", options.grid.rows, "Points along y (default 480)");
   app.add_option("--cols", options.grid.cols, "Points along x (default 640)");
   add_pitch(app, options.pitch, "Distance between points, P or X,Y (default 0.11 µm)");
-  app.add_option("--seed", options.seed, "Seed of everything random (default 1)");
+  app.add_option("--seed", options.seed, "Seed of everything random (default 1)")->check(seed_number());
   if (kind.periodic == Periodic::Offered)
     app.add_flag_callback(
         "--periodic", [&options] { options.border = Border::Periodic; }, "Continue at the opposite border");

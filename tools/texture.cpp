@@ -205,14 +205,15 @@ Run add_texture(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--enough", options->texels.enough,
                  "Independent normals below which a texel's fit is drawn towards the mean of all")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_from_zero())
       ->capture_default_str();
   app.add_option("--texel-ndf", options->texels.ndf_size,
                  "Nodes along a side of each texel's own table of slopes, 0 for none")
       ->check(CLI::Range(0, 257))
       ->capture_default_str();
   app.add_option("--size", options->size, "Texels of the texture, N or WIDTHxHEIGHT")->capture_default_str();
-  app.add_option("--seed", options->texture.seed, "Seed of everything random (default 1)");
+  app.add_option("--seed", options->texture.seed, "Seed of everything random (default 1)")
+      ->check(seed_number());
   app.add_option(
          "--recipe", options->recipe,
          "separable: amplitudes along times across, as in [Dong15]; full: a block's whole spectrum; joint: "

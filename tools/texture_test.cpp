@@ -105,6 +105,8 @@ TEST_F(TextureCommand, RefusesWhatMakesNoSense) {
   EXPECT_EQ(run(command + " --size 12y4").code, 2);
   EXPECT_EQ(run(command + " --texel -3um").code, 2);
   EXPECT_EQ(run(command + " --recipe best").code, 2);
+  EXPECT_EQ(run(command + " --enough nan").code, 2);
+  EXPECT_EQ(run(command + " --seed -1").code, 2);
   EXPECT_EQ(run(command + " --layout 'x{row}'").code, 3);
   EXPECT_EQ(run(command + " --recipe full").code, 3);  // one strip is no block
   EXPECT_EQ(run(command + " --texel 1mm").code, 3);

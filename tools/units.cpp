@@ -3,6 +3,8 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <string_view>
@@ -40,7 +42,46 @@ CLI::Option* add(CLI::App& app, const std::string& name, double& target, const s
       ->type_name(type);
 }
 
+/// The whole text as a number, NaN if it is none.
+double number_of(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && rest == end ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
+
+CLI::Validator positive_number() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        const double value = number_of(text);
+        return std::isfinite(value) && value > 0 ? std::string() : "'" + text + "' is no positive number";
+      },
+      "> 0");
+}
+
+CLI::Validator number_from_zero() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        const double value = number_of(text);
+        return std::isfinite(value) && value >= 0 ? std::string() : "'" + text + "' is no number from 0 up";
+      },
+      ">= 0");
+}
+
+CLI::Validator seed_number() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        std::uint64_t value = 0;
+        const char* end = text.data() + text.size();
+        const auto [rest, error] = std::from_chars(text.data(), end, value);
+        return error == std::errc() && rest == end
+                   ? std::string()
+                   : "'" + text + "' is no seed; it is a whole number from 0 to 18446744073709551615";
+      },
+      "");
+}
 
 double parse_length(const std::string& text) {
   return parse(text, kLengths, "length", "550nm, 1um or 0.5 (µm)");

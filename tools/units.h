@@ -18,4 +18,10 @@ CLI::Option* add_length(CLI::App& app, const std::string& name, double& micromet
 /// Adds an option that takes an angle with a unit and stores radians.
 CLI::Option* add_angle(CLI::App& app, const std::string& name, double& radians, const std::string& help);
 
+/// Checks of plain numbers, with a sentence of their own: finite and more than 0; finite and at least 0; a
+/// seed, which is a whole number from 0 to 2⁶⁴ − 1.
+CLI::Validator positive_number();
+CLI::Validator number_from_zero();
+CLI::Validator seed_number();
+
 }  // namespace micro::tools

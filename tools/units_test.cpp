@@ -28,5 +28,21 @@ TEST(Units, RefusesWhatIsNoLength) {
   EXPECT_THROW(parse_angle("1um"), CLI::ValidationError);
 }
 
+TEST(Units, ChecksNumbersWithASentence) {
+  for (const char* text : {"1", "1e-9", "3.5"}) {
+    EXPECT_EQ(positive_number()(std::string(text)), "") << text;
+    EXPECT_EQ(number_from_zero()(std::string(text)), "") << text;
+  }
+  EXPECT_EQ(number_from_zero()(std::string("0")), "");
+  for (const char* text : {"0", "-1", "nan", "inf", "1e999", "", "1um"})
+    EXPECT_NE(positive_number()(std::string(text)), "") << text;
+  for (const char* text : {"-1", "nan", "inf", "", "one"})
+    EXPECT_NE(number_from_zero()(std::string(text)), "") << text;
+  for (const char* text : {"0", "18446744073709551615"})
+    EXPECT_EQ(seed_number()(std::string(text)), "") << text;
+  for (const char* text : {"-1", "1.5", "18446744073709551616", "", "x"})
+    EXPECT_NE(seed_number()(std::string(text)), "") << text;
+}
+
 }  // namespace
 }  // namespace micro::tools
