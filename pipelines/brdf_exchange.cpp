@@ -118,7 +118,7 @@ std::string write_merl_file(const std::filesystem::path& path, const AnyBrdf& mo
   const int azimuths = off < kIsotropic ? 1 : kAzimuths;
   write_merl(path, merl_colours(model, report.request.lambda_um, azimuths));
   // The format has no header: what it would say lies beside it.
-  write_text_file(path.string() + ".txt",
+  write_text_file(exchange_paths(path).back(),
                   joined(description(report, command), "\n") +
                       "\nlinear sRGB under D65 of these wavelengths; -1 below the horizon\n");
   std::ostringstream kept;
@@ -196,6 +196,12 @@ BrdfFormat brdf_format_of(const std::filesystem::path& path) {
   throw InputError(
       "'" + path.string() +
       "' has none of the suffixes .bsdf (RGL, Mitsuba, pbrt), .binary (MERL), .astm and .xml (Radiance)");
+}
+
+std::vector<std::filesystem::path> exchange_paths(const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> files = {path};
+  if (brdf_format_of(path) == BrdfFormat::Merl) files.emplace_back(path.string() + ".txt");
+  return files;
 }
 
 ExchangedBrdf write_exchanged_brdf(const std::filesystem::path& path, const AnyBrdf& model,

@@ -19,6 +19,10 @@ enum class BrdfFormat {
 /// By the file's suffix. Throws InputError for another one.
 BrdfFormat brdf_format_of(const std::filesystem::path& path);
 
+/// The files that write_exchanged_brdf() writes for `path`: it, and what says beside MERL's what its header
+/// cannot.
+std::vector<std::filesystem::path> exchange_paths(const std::filesystem::path& path);
+
 /// What a file was told of its model, and how well it keeps it.
 struct ExchangedBrdf {
   std::filesystem::path path;

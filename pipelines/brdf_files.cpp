@@ -214,18 +214,30 @@ void write_brdf(const std::filesystem::path& path, const BrdfReport& report, con
   file.finish();
 }
 
-std::vector<std::filesystem::path> write_brdf_pictures(const std::filesystem::path& path,
-                                                       const BrdfReport& report) {
+std::vector<std::filesystem::path> brdf_picture_paths(const std::filesystem::path& path,
+                                                      const BrdfRequest& request) {
   std::vector<std::filesystem::path> files;
   const auto beside = [&](const std::string& name) {
     files.push_back(path.parent_path() / (path.stem().string() + "_" + name));
-    return files.back();
   };
-  if (!report.slices.empty()) write_text_file(beside("slices.csv"), slices_csv(report));
-  if (!report.albedo.empty()) write_text_file(beside("albedo.csv"), albedo_csv(report));
-  if (report.spectrum) write_text_file(beside("spectrum.csv"), spectrum_csv(*report.spectrum));
-  for (std::size_t k = 0; k < report.slices.size(); ++k)
-    write_png(beside("slice" + std::to_string(k) + ".png"), draw_slice(report, report.slices[k]));
+  const std::size_t slices = request.wi.size() * request.planes.size();
+  if (slices > 0) beside("slices.csv");
+  if (request.albedo && slices > 0) beside("albedo.csv");
+  if (request.spectrum > 0) beside("spectrum.csv");
+  for (std::size_t k = 0; k < slices; ++k)
+    beside("slice" + std::to_string(k) + ".png");
+  return files;
+}
+
+std::vector<std::filesystem::path> write_brdf_pictures(const std::filesystem::path& path,
+                                                       const BrdfReport& report) {
+  const std::vector<std::filesystem::path> files = brdf_picture_paths(path, report.request);
+  auto next = files.begin();
+  if (!report.slices.empty()) write_text_file(*next++, slices_csv(report));
+  if (!report.albedo.empty()) write_text_file(*next++, albedo_csv(report));
+  if (report.spectrum) write_text_file(*next++, spectrum_csv(*report.spectrum));
+  for (const BrdfSlice& slice : report.slices)
+    write_png(*next++, draw_slice(report, slice));
   return files;
 }
 

@@ -57,6 +57,10 @@ BrdfReport evaluate_brdf(const BrdfModel& model, const std::string& material, co
 /// Writes it as HDF5 (docs/design.md has the layout); whole or absent.
 void write_brdf(const std::filesystem::path& path, const BrdfReport& report, const std::string& command);
 
+/// Names of the CSV and pictures that go beside `path`, as write_brdf_pictures() writes them.
+std::vector<std::filesystem::path> brdf_picture_paths(const std::filesystem::path& path,
+                                                      const BrdfRequest& request);
+
 /// Writes slices, albedo and spectrum as <stem>_slices.csv, …_albedo.csv, …_spectrum.csv, and slices as
 /// <stem>_slice<k>.png beside `path`. Gives their names.
 std::vector<std::filesystem::path> write_brdf_pictures(const std::filesystem::path& path,

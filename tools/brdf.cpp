@@ -2,6 +2,7 @@
 #include <cmath>
 #include <memory>
 
+#include "io/atomic_file.h"
 #include "pipelines/brdf_exchange.h"
 #include "pipelines/brdf_report.h"
 #include "tools/brdf_model_options.h"
@@ -112,10 +113,25 @@ void print(const BrdfReport& report, const std::string& output,
   std::printf("%s\n", output.c_str());
 }
 
+/// Refuses outputs that cannot be written before anything is computed for them.
+void require_outputs(const Options& options, const BrdfRequest& request) {
+  std::vector<std::filesystem::path> files = {options.output}, inputs;
+  for (const std::string& path : options.write) {
+    if (brdf_format_of(path) == BrdfFormat::Astm && request.wi.empty())
+      throw CLI::ValidationError("--write: an ASTM file holds the slices of --wi: give one or more");
+    for (auto& file : exchange_paths(path))
+      files.push_back(std::move(file));
+  }
+  if (!options.no_figure)
+    for (auto& file : brdf_picture_paths(options.output, request))
+      files.push_back(std::move(file));
+  if (!options.model.input.empty()) inputs.emplace_back(options.model.input);
+  require_writable(files, inputs);
+}
+
 int run(const Options& options, const CLI::App& app) {
   const BrdfRequest request = request_of(options);
-  for (const std::string& path : options.write)
-    brdf_format_of(path);
+  require_outputs(options, request);
   const BrdfModel model = make_brdf_model(options.model);
   const BrdfReport report = evaluate_brdf(model, options.model.material, request);
   write_brdf(options.output, report, command_line_of(app));

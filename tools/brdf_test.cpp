@@ -166,5 +166,25 @@ TEST_F(BrdfCommand, RefusesWhatMakesNoSense) {
   EXPECT_FALSE(std::filesystem::exists(file("o.h5")));
 }
 
+TEST_F(BrdfCommand, RefusesOutputsThatCannotBeWrittenBeforeItComputes) {
+  write_tables("r.h5");
+  std::filesystem::create_directory(file("folder"));
+  std::filesystem::create_directory(file("p_slice0.png"));
+  const std::string work = "--alpha 0.2 --furnace --tol 1e-9 --wi 30deg";  // would take far longer
+  const std::string longest = file(std::string(300, 'x'));
+  for (const std::string& outputs :
+       {"-o " + file("none/o.h5"), "-o " + file("folder"), "-o " + longest,
+        "-o " + file("o.h5") + " --write " + file("none/x.bsdf"),
+        "-o " + file("o.h5") + " --write " + longest + ".bsdf",
+        "-o " + file("o.h5") + " --write " + file("a.binary") + " --write " + file("none/a.xml"),
+        "-o " + file("o.h5") + " --write " + file("a.xml") + " --write " + file("./a.xml"),
+        "-o " + file("a.xml") + " --write " + file("a.xml"), "-o " + file("p.h5")})
+    EXPECT_EQ(run(work + " " + outputs).code, 3) << outputs;
+  EXPECT_EQ(run(file("r.h5") + " --wi 30deg -o " + file("r.h5")).code, 3);
+  EXPECT_EQ(run("--alpha 0.2 --write " + file("a.astm") + " -o " + file("o.h5")).code, 2);
+  for (const auto& entry : std::filesystem::directory_iterator(file("")))
+    EXPECT_TRUE(entry.path().filename() == "r.h5" || entry.is_directory()) << entry.path();
+}
+
 }  // namespace
 }  // namespace micro::tools

@@ -4,8 +4,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <map>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -68,7 +70,10 @@ AtomicFile::AtomicFile(const fs::path& path) : path_(path), target_(path) {
     if (error) throw FileError(path, "cannot be written: " + error.message());
   }
   if (!target_.has_filename()) throw FileError(path, "cannot be written: the name of a file is missing");
-  if (fs::exists(target_, error) && !fs::is_regular_file(target_, error))
+  const fs::file_status status = fs::status(target_, error);
+  if (status.type() == fs::file_type::none)  // such as a name that is too long
+    throw FileError(path, "cannot be written: " + error.message());
+  if (fs::exists(status) && !fs::is_regular_file(status))
     throw FileError(path, "is not a regular file, so it is not replaced");
   const fs::path folder = target_.has_parent_path() ? target_.parent_path() : fs::path(".");
   if (!fs::is_directory(folder, error))
@@ -100,6 +105,24 @@ void AtomicFile::commit() {
   const Descriptor folder(target_.has_parent_path() ? target_.parent_path() : fs::path("."),
                           O_RDONLY | O_DIRECTORY);
   if (folder.get() >= 0) ::fsync(folder.get());
+}
+
+void require_writable(std::span<const fs::path> files, std::span<const fs::path> inputs) {
+  const auto place = [](const fs::path& path) {
+    std::error_code error;
+    const fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error);
+    return error ? path : whole;
+  };
+  std::map<fs::path, fs::path> taken;
+  for (const fs::path& input : inputs)
+    taken.emplace(place(input), input);
+  for (const fs::path& file : files) {
+    const auto [other, fresh] = taken.emplace(place(file), file);
+    const bool read = std::any_of(inputs.begin(), inputs.end(),
+                                  [&](const fs::path& input) { return input == other->second; });
+    if (!fresh) throw FileError(file, read ? "is read, so it is not replaced" : "would be written twice");
+    const AtomicFile probe(file);
+  }
 }
 
 void write_file(const fs::path& path, std::span<const std::byte> bytes) {

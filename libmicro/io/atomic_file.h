@@ -13,7 +13,8 @@ namespace micro {
 class AtomicFile {
  public:
   /// Makes an empty temporary file in the folder of `path`. Throws FileError if that cannot be done, or if
-  /// `path` is there and is no regular file. A symbolic link is followed: its target is replaced.
+  /// `path` is there and is no regular file, or can be no name. A symbolic link is followed: its target is
+  /// replaced.
   explicit AtomicFile(const std::filesystem::path& path);
   ~AtomicFile();  ///< removes the temporary file unless it was committed
   AtomicFile(AtomicFile&& other) noexcept;
@@ -30,6 +31,11 @@ class AtomicFile {
   std::filesystem::path target_;  // path_ with symbolic links followed
   std::filesystem::path temporary_;
 };
+
+/// Refuses, before anything is computed, files that could not be written afterwards: those for which an
+/// AtomicFile cannot be made, and those that would replace one another or one of `inputs`. Throws FileError.
+void require_writable(std::span<const std::filesystem::path> files,
+                      std::span<const std::filesystem::path> inputs = {});
 
 /// The name of a file that lives no longer than the run that makes it.
 std::string temporary_name(const std::string& distinction);
