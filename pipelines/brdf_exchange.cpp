@@ -166,7 +166,7 @@ std::string write_astm(const std::filesystem::path& path, const BrdfReport& repo
 
 std::string write_radiance(const std::filesystem::path& path, const AnyBrdf& model, const BrdfReport& report,
                            const std::string& command) {
-  constexpr std::uint64_t kDraws = 1 << 15;
+  constexpr std::uint64_t kDraws = 1 << 16;
   const std::vector<double>& lambda_um = report.request.lambda_um;
   const ColourWeights colour(lambda_um);
   std::vector<double> weights;

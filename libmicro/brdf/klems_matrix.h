@@ -30,15 +30,19 @@ std::size_t klems_patch(const Vec3& w);
 /// ∫ cosθ dω over a patch, sr.
 double klems_projected_solid_angle(std::size_t patch);
 
+/// The patch that holds (−x, −y, z) of another's directions.
+std::size_t klems_opposite(std::size_t patch);
+
 /// f averaged over patches of light and viewer, [wo, wi] 1/sr, by drawing wi over its patch and wo from the
-/// model; `f` weighs the model's wavelengths to one number.
+/// model, which has to be reciprocal; `f` weighs the model's wavelengths to one number.
 struct KlemsMatrix {
-  std::vector<double> f;
+  std::vector<double> f;  ///< reciprocal itself
   double standard_error;  ///< the largest of a patch's directional albedo
 };
 
 /// Light is numbered by where it goes: patch k of `wi` is that of (−x, −y, z), so that a mirror's matrix is
-/// diagonal [WINDOW, Radiance]. lambda_um and the weights of their f have the same size.
+/// diagonal [WINDOW, Radiance]. lambda_um and the weights of their f have the same size; draws of a patch are
+/// 16 or more.
 KlemsMatrix klems_matrix(const AnyBrdf& model, const std::vector<double>& lambda_um,
                          const std::vector<double>& weights, std::uint64_t draws);
 
