@@ -61,6 +61,12 @@ BrdfRequest request_of(const Options& options) {
   return request;
 }
 
+/// How many of the furnace's albedos have a larger error than was asked for.
+std::ptrdiff_t not_reached(const BrdfReport& report) {
+  return std::ranges::count_if(
+      report.furnace->albedo, [&](const auto& albedo) { return !(albedo.error <= *report.request.furnace); });
+}
+
 nlohmann::json to_json(const BrdfReport& report, const std::string& output,
                        const std::vector<std::filesystem::path>& files) {
   nlohmann::json albedo = nlohmann::json::array(), names = nlohmann::json::array();
@@ -86,6 +92,8 @@ nlohmann::json to_json(const BrdfReport& report, const std::string& output,
   }
   if (report.furnace) {
     all["furnace_most"] = report.furnace->most();
+    all["furnace_directions"] = report.furnace->albedo.size();
+    all["furnace_not_reached"] = not_reached(report);
     all["reciprocity"] = report.reciprocity->difference;
   }
   if (report.table) all["table_seconds"] = report.table->cost.seconds;
@@ -104,9 +112,13 @@ void print(const BrdfReport& report, const std::string& output,
   if (report.spectrum)
     std::printf("linear sRGB (D65) %.4f %.4f %.4f\n", report.spectrum->linear_rgb.x(),
                 report.spectrum->linear_rgb.y(), report.spectrum->linear_rgb.z());
-  if (report.furnace)
+  if (report.furnace) {
     std::printf("white furnace of a perfect mirror: at most %.5f; reciprocal to %.1e\n",
                 report.furnace->most(), report.reciprocity->difference);
+    if (const auto missed = not_reached(report); missed > 0)
+      std::printf("%td of its %zu albedos did not reach the tolerance\n", missed,
+                  report.furnace->albedo.size());
+  }
   if (report.table) std::printf("table in %.2f s\n", report.table->cost.seconds);
   for (const auto& file : files)
     std::printf("%s\n", file.c_str());

@@ -70,6 +70,8 @@ TEST_F(BrdfCommand, WritesAModelsSlicesAlbedoColourAndFurnace) {
   ASSERT_EQ(made.code, 0);
   const nlohmann::json json = nlohmann::json::parse(made.out);
   EXPECT_LE(json.at("furnace_most").get<double>(), 1);
+  EXPECT_EQ(json.at("furnace_directions"), 37);
+  EXPECT_EQ(json.at("furnace_not_reached"), 0);
   EXPECT_LE(json.at("reciprocity").get<double>(), 1e-12);
   EXPECT_GT(json.at("linear_srgb").at(0).get<double>(), json.at("linear_srgb").at(2).get<double>());
   EXPECT_LE(json.at("albedo").at(0).at("error").get<double>(), 5e-3);
