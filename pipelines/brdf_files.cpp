@@ -165,15 +165,29 @@ std::string spectrum_csv(const BrdfSpectrum& spectrum) {
   return text.str();
 }
 
+/// From blue over green to red for a part from 0 to 1.
+Rgb spectral_colour(double part) {
+  constexpr std::array<std::array<double, 3>, 3> kColours = {{{40, 90, 200}, {40, 140, 60}, {200, 30, 40}}};
+  const std::size_t from = part < 0.5 ? 0 : 1;
+  const auto mixed = [&](std::size_t k) {
+    const double along = 2 * part - static_cast<double>(from);
+    return static_cast<std::uint8_t>(
+        std::lround((1 - along) * kColours[from][k] + along * kColours[from + 1][k]));
+  };
+  return {mixed(0), mixed(1), mixed(2)};
+}
+
 Picture draw_slice(const BrdfReport& report, const BrdfSlice& slice) {
-  constexpr std::array<Rgb, 3> kColours = {{{40, 90, 200}, {40, 140, 60}, {200, 30, 40}}};
+  constexpr std::size_t kNames = 6;  // in the legend
   constexpr double kDecades = 1e-5, kHeadroom = 10;
   double peak = 0;
   std::vector<Curve> curves;
   for (std::size_t c = 0; c < slice.f.size(); ++c) {
     std::ostringstream name;
-    name << report.request.lambda_um[c] << " um";
-    Curve curve{name.str(), kColours[c % kColours.size()], Curve::Style::Line, {}};
+    const std::size_t last = slice.f.size() - 1, each = last / kNames + 1;
+    if (c % each == 0) name << report.request.lambda_um[c] << " um";
+    const double part = static_cast<double>(c) / static_cast<double>(std::max<std::size_t>(1, last));
+    Curve curve{name.str(), spectral_colour(part), Curve::Style::Line, {}};
     for (std::size_t k = 0; k < slice.theta_o.size(); ++k) {
       curve.points.emplace_back(slice.theta_o[k] * kRadian, slice.f[c][k]);
       peak = std::max(peak, slice.f[c][k]);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 
 #include "io/atomic_file.h"
@@ -10,6 +11,7 @@
 #include "tools/common_options.h"
 #include "tools/json_output.h"
 #include "tools/scan_output.h"
+#include "tools/spectrum_options.h"
 #include "tools/units.h"
 
 namespace micro::tools {
@@ -32,9 +34,9 @@ BrdfRequest request_of(const Options& options) {
   if (!options.lambda.empty()) {
     request.lambda_um.clear();
     for (const std::string& text : options.lambda)
-      request.lambda_um.push_back(parse_length(text));
-    if (!(request.lambda_um.front() > 0) || !std::ranges::is_sorted(request.lambda_um, std::less_equal{}))
-      throw CLI::ValidationError("--lambda: wavelengths must be positive and ascend");
+      std::ranges::copy(parse_wavelengths(text), std::back_inserter(request.lambda_um));
+    if (!std::ranges::is_sorted(request.lambda_um, std::less_equal{}))
+      throw CLI::ValidationError("--lambda: wavelengths must ascend");
   }
   for (const std::string& text : options.wi) {
     const double theta = parse_angle(text);
@@ -174,8 +176,9 @@ Run add_brdf(CLI::App& app) {
   add_brdf_model_options(app, options->model);
   app.add_option("-o,--output", options->output, "HDF5 file to write; CSV and pictures go beside it")
       ->required();
-  app.add_option("--lambda", options->lambda, "Wavelength (default 450nm 550nm 650nm); repeatable")
-      ->type_name("LENGTH")
+  app.add_option("--lambda", options->lambda,
+                 "Wavelength, or a range like 380nm..780nm/10nm (default 450nm 550nm 650nm); repeatable")
+      ->type_name("LENGTH|RANGE")
       ->allow_extra_args(false);
   CLI::Option* wi =
       app.add_option("--wi", options->wi, "Polar angle of the light, for a slice in its plane; repeatable")

@@ -111,6 +111,17 @@ TEST_F(BrdfCommand, HasSunsModelAndTheCoatCorrectedAndPrinted) {
   }
 }
 
+TEST_F(BrdfCommand, TakesARangeOfWavelengths) {
+  ASSERT_EQ(
+      run("--alpha 0.2 --lambda 380nm --lambda 400nm..700nm/20nm --wi 45deg --no-figure -o " + file("o.h5"))
+          .code,
+      0);
+  const auto lambda = Hdf5Reader(file("o.h5")).read<double>("/brdf/lambda_um");
+  ASSERT_EQ(lambda.size(), 17u);
+  for (std::size_t k = 0; k < lambda.size(); ++k)
+    EXPECT_NEAR(lambda[k], 0.38 + 0.02 * static_cast<double>(k), 1e-9);
+}
+
 TEST_F(BrdfCommand, SlicesLieInThePlaneAskedFor) {
   ASSERT_EQ(run("--alpha 0.3,0.1 --wi 30deg --azimuth 20deg --plane 0 --plane 70deg --lambda 550nm -o " +
                 file("p.h5"))
@@ -156,8 +167,10 @@ TEST_F(BrdfCommand, RefusesWhatMakesNoSense) {
         "--model sun --smoothness 5 --alpha 0.2", "--model kirchhoff", "--alpha 0.2 --coat 0.9",
         "--alpha 0.2 --coat-smoothness 5", "--alpha 0.2 --form printed", "--alpha 0.2 --plane x",
         "--alpha 0.2 --masking none", "--alpha 0.2 --fit-of filtered", "--alpha 0.2 --lambda=-1",
-        "--alpha 0.2 --lambda 650nm --lambda 450nm", "--alpha 0.2 --tol nan --albedo",
-        "--model sun --smoothness 5 --masking smith", "--alpha 0.2 --phi-h 10deg"})
+        "--alpha 0.2 --lambda 0.4..0.5", "--alpha 0.2 --lambda 0.5..0.4/0.1",
+        "--alpha 0.2 --lambda 0.4..0.6/0.1 --lambda 0.6", "--alpha 0.2 --lambda 650nm --lambda 450nm",
+        "--alpha 0.2 --tol nan --albedo", "--model sun --smoothness 5 --masking smith",
+        "--alpha 0.2 --phi-h 10deg"})
     EXPECT_EQ(run(arguments + (" --wi 30deg" + out)).code, 2) << arguments;
   EXPECT_EQ(run("--alpha 0.2 --plane 10deg --furnace" + out).code, 2);  // of which light?
   EXPECT_EQ(run(file("r.h5") + " --model kirchhoff --distribution filtered --wi 30deg" + out).code, 2);

@@ -15,7 +15,7 @@ namespace {
 constexpr int kMostWavelengths = 1000;
 
 [[noreturn]] void refuse(const std::string& text, const std::string& why) {
-  throw CLI::ValidationError("--lambda-q: '" + text + "' " + why);
+  throw CLI::ValidationError("'" + text + "' " + why);
 }
 
 /// To twelve digits, so that 0.4 + 2·0.1 is 0.6.
@@ -49,12 +49,18 @@ std::vector<double> parse_range(const std::string& text, std::size_t dots) {
 
 }  // namespace
 
-LambdaQ parse_lambda_q(const std::string& text) {
-  if (text == "auto") return AsManyAsNeeded{};
+std::vector<double> parse_wavelengths(const std::string& text) {
   const std::size_t dots = text.find("..");
   if (dots != std::string::npos) return parse_range(text, dots);
-  const double lambda_q = parse_length(text);
-  if (!(lambda_q > 0)) refuse(text, "is no wavelength: it must be positive");
+  const double wavelength = parse_length(text);
+  if (!(wavelength > 0)) refuse(text, "is no wavelength: it must be positive");
+  return {wavelength};
+}
+
+LambdaQ parse_lambda_q(const std::string& text) {
+  if (text == "auto") return AsManyAsNeeded{};
+  std::vector<double> lambda_q = parse_wavelengths(text);
+  if (text.find("..") == std::string::npos) return lambda_q.front();
   return lambda_q;
 }
 
