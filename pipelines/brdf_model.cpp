@@ -64,8 +64,11 @@ BrdfModel waves(const ResultModelRequest& request, const std::vector<NdfTable>& 
   const std::string description = request.distribution +
                                   (request.masking == Masking::Smith ? ", Smith's G, " : ", without G, ") +
                                   request.path.string();
-  return {description, AnyBrdf(KirchhoffBrdf(density, normals, drawn, request.masking, fresnel)),
-          AnyBrdf(KirchhoffBrdf(density, normals, drawn, request.masking))};
+  BrdfModel model = {description, AnyBrdf(KirchhoffBrdf(density, normals, drawn, request.masking, fresnel)),
+                     AnyBrdf(KirchhoffBrdf(density, normals, drawn, request.masking))};
+  if (lambda_q.size() > 1)
+    model.light_um = {request.medium * lambda_q.front(), request.medium * lambda_q.back()};
+  return model;
 }
 
 const char* form_name(SunForm form) {
@@ -125,7 +128,7 @@ BrdfModel coated_model(const BrdfModel& substrate, const Coat& coat, SunForm for
   description << substrate.description << "; under a coat " << form_name(form) << ", n = " << coat.n
               << ", smoothness " << coat.smoothness;
   return {description.str(), AnyBrdf(Coated(substrate.metal, coat, form)),
-          AnyBrdf(Coated(substrate.mirror, coat, form))};
+          AnyBrdf(Coated(substrate.mirror, coat, form)), substrate.light_um};
 }
 
 }  // namespace micro

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "brdf/any_brdf.h"
@@ -15,6 +17,7 @@ namespace micro {
 struct BrdfModel {
   std::string description;  ///< distribution, its source, masking
   AnyBrdf metal, mirror;
+  std::optional<std::array<double, 2>> light_um = {};  ///< shortest and longest that tables of D_K are for
 };
 
 /// The smooth interface called so: a metal (metals.h), `mirror`, `n` or `eta,kappa`. Throws InputError.
@@ -36,7 +39,8 @@ struct ResultModelRequest {
 
 /// Tables of a method: filtered and naive ones as microfacets, those whose name begins with `kirchhoff` as
 /// D_K at λ_q(λ, θ_d) if there are several wavelengths, else at their one λ_q, with G1 of the filtered table
-/// if the file has one. Throws FileError.
+/// if the file has one. Tables at several λ_q are for light of these wavelengths; larger λ_q, of light that
+/// turns far, have the last one's. Throws FileError.
 BrdfModel result_model(const ResultModelRequest& request, const Fresnel& fresnel);
 
 /// Sun's one-term BRDF of a Gaussian surface of smoothness s = τ/σ_h [Sun02 Eq. 3.5.3]. Throws InputError.

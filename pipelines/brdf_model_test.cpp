@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include "core/error.h"
 #include "distribution/beckmann.h"
 #include "distribution/tabulate.h"
 #include "io/hdf5_writer.h"
+#include "pipelines/brdf_report.h"
 #include "testing/brdf_sampling.h"
 #include "testing/temporary_folder.h"
 
@@ -34,6 +36,19 @@ TEST(BrdfModels, WavesUnderACoatAreShorter) {
   const double under_coat = inside.mirror.f(wi, wo, kLambda);
   EXPECT_NEAR(under_coat / outside.mirror.f(wi, wo, kLambda / kIndex), 1, 1e-12);
   EXPECT_GT(std::abs(under_coat / outside.mirror.f(wi, wo, kLambda) - 1), 0.05);
+
+  // Light that no table is for is refused: from 0.3 to 0.9 µm, in the coat from 0.45 to 1.35.
+  const auto evaluated = [](const BrdfModel& model, double lambda) {
+    BrdfRequest asked{.lambda_um = {lambda}, .wi = {Vec3(0, 0, 1)}};
+    return evaluate_brdf(model, "mirror", asked);
+  };
+  for (const double lambda : {0.3, 0.6, 0.9})
+    EXPECT_EQ(evaluated(outside, lambda).slices.size(), 1u) << lambda;
+  EXPECT_THROW(evaluated(outside, 0.29), InputError);
+  EXPECT_THROW(evaluated(outside, 0.91), InputError);
+  const BrdfModel coated = coated_model(inside, {kIndex, 100}, SunForm::Corrected);
+  EXPECT_EQ(evaluated(coated, 1.3).slices.size(), 1u);
+  EXPECT_THROW(evaluated(coated, 0.44), InputError);
 }
 
 }  // namespace

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "brdf/colour.h"
+#include "core/error.h"
 #include "core/parallel.h"
 
 namespace micro {
@@ -46,11 +48,26 @@ BrdfSpectrum spectrum_of(const AnyBrdf& model, const Vec3& wi, int wavelengths, 
   return spectrum;
 }
 
+/// Refuses light that the tables of D_K are not for.
+void require_light(const BrdfModel& model, const std::vector<double>& lambda_um) {
+  constexpr double kRounding = 1e-9;  // of a wavelength
+  if (!model.light_um) return;
+  const auto [shortest, longest] = *model.light_um;
+  for (const double lambda : lambda_um)
+    if (!(lambda >= shortest * (1 - kRounding) && lambda <= longest * (1 + kRounding))) {
+      std::ostringstream sentence;
+      sentence << "the tables of D_K are for light from " << shortest << " to " << longest << " um, not of "
+               << lambda << " um: give --lambda within, or take D_K at more wavelengths";
+      throw InputError(sentence.str());
+    }
+}
+
 }  // namespace
 
 BrdfReport evaluate_brdf(const BrdfModel& model, const std::string& material, const BrdfRequest& request) {
   BrdfReport report{request, model.description, material, {}, {}, {}, {}, {}, {}};
   const std::vector<double>& lambda = request.lambda_um;
+  require_light(model, lambda);
   const double middle = lambda[lambda.size() / 2];
   for (const Vec3& wi : request.wi) {
     for (const double plane : request.planes)
