@@ -170,48 +170,36 @@ TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper) {
       blocks[c] = block_deviations(exemplar.channels[c], taper);
     model.spectrum = std::move(blocks);
   } else {
-    // Principal components of the correlation matrix: slopes and logarithms have no common unit.
-    Eigen::Matrix<double, 5, 1> deviation = moments.covariance.diagonal().cwiseSqrt();
-    const Eigen::Matrix<double, 5, 1> inverse =
-        (deviation.array() > 0).select(deviation.cwiseInverse().array(), 0).matrix();
-    const Eigen::SelfAdjointEigenSolver<Covariance> solver(
-        Covariance(inverse.asDiagonal() * moments.covariance * inverse.asDiagonal()));
-    model.mixing = deviation.asDiagonal() * solver.eigenvectors();
-    std::array<Grid<double>, kChannels> components = exemplar.channels;
-    for (std::size_t m = 0; m < kChannels; ++m) {
-      const auto column = static_cast<Eigen::Index>(m);
-      components[m].setZero();
-      for (std::size_t c = 0; c < kChannels; ++c) {
-        const auto k = static_cast<Eigen::Index>(c);
-        components[m] +=
-            solver.eigenvectors()(k, column) * inverse[k] * (exemplar.channels[c] - moments.mean[c]);
+    // Slopes and logarithms have no common unit.
+    for (Eigen::Index k = 0; k < 5; ++k)
+      for (Eigen::Index l = 0; l < 5; ++l) {
+        const double unit = std::sqrt(moments.covariance(k, k) * moments.covariance(l, l));
+        if (k != l) model.correlation(k, l) = unit > 0 ? moments.covariance(k, l) / unit : 0;
       }
-      model.variance[m] = std::max(0., solver.eigenvalues()[column]);
-    }
-    model.spectrum = axes_of(components, taper);
+    model.spectrum = axes_of(exemplar.channels, taper);
   }
   return model;
 }
 
-AxisAmplitudes axis_amplitudes(const TextureModel& model, std::size_t component, Eigen::Index rows,
+AxisAmplitudes axis_amplitudes(const TextureModel& model, std::size_t channel, Eigen::Index rows,
                                Eigen::Index cols) {
   const auto& axes = std::get<TextureModel::Axes>(model.spectrum);
-  AxisAmplitudes amplitudes = {axes.x.amplitudes(component, cols), axes.y.amplitudes(component, rows)};
+  AxisAmplitudes amplitudes = {axes.x.amplitudes(channel, cols), axes.y.amplitudes(channel, rows)};
   const double dc = std::pow(static_cast<double>(amplitudes.x[0]) * amplitudes.y[0], 2);
-  return scaled(std::move(amplitudes), model.variance[component], dc);
+  return scaled(std::move(amplitudes), model.variance[channel], dc);
 }
 
-AxisAmplitudes kernel_amplitudes(const TextureModel& model, std::size_t component, Eigen::Index rows,
+AxisAmplitudes kernel_amplitudes(const TextureModel& model, std::size_t channel, Eigen::Index rows,
                                  Eigen::Index cols, Eigen::Index reach) {
   const auto& axes = std::get<TextureModel::Axes>(model.spectrum);
   return scaled(
-      {kernel_spectrum(axes.x, component, cols, reach), kernel_spectrum(axes.y, component, rows, reach)},
-      model.variance[component], 0);
+      {kernel_spectrum(axes.x, channel, cols, reach), kernel_spectrum(axes.y, channel, rows, reach)},
+      model.variance[channel], 0);
 }
 
-Grid<std::complex<float>> block_amplitudes(const TextureModel& model, std::size_t component,
-                                           Eigen::Index rows, Eigen::Index cols) {
-  const Grid<double>& block = std::get<Blocks>(model.spectrum)[component];
+Grid<std::complex<float>> block_amplitudes(const TextureModel& model, std::size_t channel, Eigen::Index rows,
+                                           Eigen::Index cols) {
+  const Grid<double>& block = std::get<Blocks>(model.spectrum)[channel];
   const RealFft<float> transform({rows, cols, 1});
   FftVector<float> folded(static_cast<std::size_t>(rows * cols), 0);
   for (Eigen::Index j = 0; j < block.rows(); ++j)
@@ -228,7 +216,41 @@ Grid<std::complex<float>> block_amplitudes(const TextureModel& model, std::size_
     for (Eigen::Index j = 0; j < rows; ++j)
       whole += twice * std::norm(amplitudes(j, i));
   }
-  return amplitudes * static_cast<float>(whole > 0 ? std::sqrt(model.variance[component] / whole) : 0);
+  return amplitudes * static_cast<float>(whole > 0 ? std::sqrt(model.variance[channel] / whole) : 0);
+}
+
+Covariance phase_mixing(const TextureModel& model, const std::array<AxisAmplitudes, kChannels>& amplitudes,
+                        Eigen::Index cols) {
+  if (!model.mixed_phases()) return Covariance::Identity();
+  const auto& axes = std::get<TextureModel::Axes>(model.spectrum);
+  // Σ a·b over the whole spectrum.
+  const auto product = [cols](const AxisAmplitudes& a, const AxisAmplitudes& b) {
+    double x = 0, y = 0;
+    for (std::size_t i = 0; i < a.x.size(); ++i) {
+      const bool once = i == 0 || 2 * static_cast<Eigen::Index>(i) == cols;
+      x += (once ? 1 : 2) * static_cast<double>(a.x[i]) * b.x[i];
+    }
+    for (std::size_t j = 0; j < a.y.size(); ++j)
+      y += static_cast<double>(a.y[j]) * b.y[j];
+    return x * y;
+  };
+  Covariance wanted = Covariance::Identity();
+  for (std::size_t c = 0; c < kChannels; ++c)
+    for (std::size_t d = 0; d < c; ++d) {
+      const double unit =
+          std::sqrt(product(amplitudes[c], amplitudes[c]) * product(amplitudes[d], amplitudes[d]));
+      const double cosine = unit > 0 ? product(amplitudes[c], amplitudes[d]) / unit : 0;
+      // What varies along one axis only has nothing in common with what varies along the other.
+      const bool alike = axes.x.constant(c) == axes.x.constant(d) && axes.y.constant(c) == axes.y.constant(d);
+      if (!alike || !(cosine > 0)) continue;
+      const auto k = static_cast<Eigen::Index>(c), l = static_cast<Eigen::Index>(d);
+      wanted(k, l) = wanted(l, k) = std::clamp(model.correlation(k, l) / cosine, -1., 1.);
+    }
+  const Eigen::SelfAdjointEigenSolver<Covariance> solver(wanted);
+  Covariance mixing = solver.eigenvectors() * solver.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() *
+                      solver.eigenvectors().transpose();
+  mixing.rowwise().normalize();
+  return mixing;
 }
 
 Eigen::Index reach_of(const TextureModel& model) {

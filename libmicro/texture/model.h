@@ -15,8 +15,8 @@ enum class Recipe {
   Separable,  ///< [Dong15 §9]: each channel alone, amplitude = that along × that across
   Full,       ///< each channel alone, its whole two-dimensional spectrum; needs a block
   Joint,      ///< keeps how channels vary together: a block's spectra with one phase for all channels (all
-          ///< cross-correlations [Galerne11]); of strips, principal components, each separable (those at lag
-          ///< 0)
+          ///< cross-correlations [Galerne11]); of strips, separable spectra whose phases go together as far
+          ///< as correlations at lag 0 want it
 };
 std::string_view name_of(Recipe recipe);
 
@@ -32,18 +32,19 @@ struct AxisSpectrum {
   bool constant(std::size_t channel) const;
 };
 
-/// A Gaussian model of five channels: components with spectra, mixed into channels.
+/// A Gaussian model of five channels.
 struct TextureModel {
   Recipe recipe = Recipe::Separable;
   SlopeCoordinates mean{};
-  std::array<double, kChannels> variance{};  ///< of the components
-  Covariance mixing = Covariance::Identity();
+  std::array<double, kChannels> variance{};
+  Covariance correlation = Covariance::Identity();  ///< at lag 0, of strips that keep it
   struct Axes {
     AxisSpectrum x, y;
   };
   std::variant<Axes, std::array<Grid<double>, kChannels>> spectrum;  ///< or a block's deviations
 
   bool common_phase() const { return recipe == Recipe::Joint && std::holds_alternative<Blocks>(spectrum); }
+  bool mixed_phases() const { return recipe == Recipe::Joint && std::holds_alternative<Axes>(spectrum); }
   using Blocks = std::array<Grid<double>, kChannels>;
 };
 
@@ -52,22 +53,28 @@ struct TextureModel {
 /// if the exemplar is empty, or the recipe is Full and it is no block.
 TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper = Taper::Hann);
 
-/// Amplitudes of a component on the half spectrum of a texture of rows × cols texels: their squares over the
-/// whole spectrum sum to the component's variance, and (0, 0) is 0. Separable ones are a product; a block's
+/// Amplitudes of a channel on the half spectrum of a texture of rows × cols texels: their squares over the
+/// whole spectrum sum to the channel's variance, and (0, 0) is 0. Separable ones are a product; a block's
 /// are complex with `phase`.
 struct AxisAmplitudes {
   std::vector<float> x, y;  ///< [cols/2 + 1], [rows]
 };
-AxisAmplitudes axis_amplitudes(const TextureModel& model, std::size_t component, Eigen::Index rows,
+AxisAmplitudes axis_amplitudes(const TextureModel& model, std::size_t channel, Eigen::Index rows,
                                Eigen::Index cols);
 /// The same for white noise on rows × cols texels, of which each reaches no further than `reach`: the spectra
 /// of one kernel whatever the size (at least 2·reach). It is that of 2·reach texels, drawn to zero over
 /// its outer half, so that its spectrum is smoothed by less than 1/reach. (0, 0) stays; an axis along which
 /// nothing varies is white (there the noise has to be constant).
-AxisAmplitudes kernel_amplitudes(const TextureModel& model, std::size_t component, Eigen::Index rows,
+AxisAmplitudes kernel_amplitudes(const TextureModel& model, std::size_t channel, Eigen::Index rows,
                                  Eigen::Index cols, Eigen::Index reach);
-Grid<std::complex<float>> block_amplitudes(const TextureModel& model, std::size_t component,
-                                           Eigen::Index rows, Eigen::Index cols);
+Grid<std::complex<float>> block_amplitudes(const TextureModel& model, std::size_t channel, Eigen::Index rows,
+                                           Eigen::Index cols);
+
+/// What mixes independent phases (or white noise) so that channels of these amplitudes correlate at lag 0 as
+/// the model wants: M of unit rows, M·Mᵀ = correlation over the cosine between both amplitudes. Where spectra
+/// are too different to allow it, the nearest that can be; the identity if phases are not mixed.
+Covariance phase_mixing(const TextureModel& model, const std::array<AxisAmplitudes, kChannels>& amplitudes,
+                        Eigen::Index cols);
 
 /// Texels beyond which what lies at one place hardly tells of another: the exemplar's length along the longer
 /// axis.

@@ -33,10 +33,11 @@ std::uint32_t half_word(const std::array<std::uint32_t, 4>& words, std::size_t k
   return words[k / 2] >> (16 * (k % 2)) & 0xffff;
 }
 
-/// Amplitudes of every component, as the model has them.
+/// Amplitudes of every channel, as the model has them, and what mixes phases.
 struct Amplitudes {
   std::array<AxisAmplitudes, kChannels> axes;
   std::array<Grid<Complex>, kChannels> blocks;
+  Eigen::Matrix<float, 5, 5> mixing;
 
   /// Of a whole texture; of white noise if the kernel's `reach` is given.
   Amplitudes(const TextureModel& model, Eigen::Index rows, Eigen::Index cols,
@@ -51,6 +52,7 @@ struct Amplitudes {
       else
         axes[m] = axis_amplitudes(model, m, rows, cols);
     });
+    mixing = phase_mixing(model, axes, cols).cast<float>();
   }
   bool separable() const { return blocks[0].size() == 0; }
   Complex at(std::size_t m, Eigen::Index j, Eigen::Index i) const {
@@ -58,6 +60,16 @@ struct Amplitudes {
     return axes[m].y[static_cast<std::size_t>(j)] * axes[m].x[static_cast<std::size_t>(i)];
   }
 };
+
+/// Σ_k M(c, k)·numbers[k].
+template <typename Number>
+Number mixed_number(const Eigen::Matrix<float, 5, 5>& mixing, std::size_t c,
+                    const std::array<Number, kChannels>& numbers) {
+  Number sum = 0;
+  for (std::size_t k = 0; k < kChannels; ++k)
+    sum += mixing(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(k)) * numbers[k];
+  return sum;
+}
 
 using Spectra = std::array<FftVector<Complex>, kChannels>;
 
@@ -69,7 +81,7 @@ void fill_row(Spectra& spectra, const Amplitudes& amplitudes, const TextureModel
   const Eigen::Index mirror = (size.rows - j) % size.rows;
   const bool common = model.common_phase();
   const auto& units = phase_table();
-  const bool separable = amplitudes.separable();
+  const bool separable = amplitudes.separable(), mixed = model.mixed_phases();
   for (Eigen::Index i = 0; i < half; ++i) {
     const bool edge = i == 0 || 2 * i == size.cols;
     // The later of two conjugate numbers is drawn as the earlier.
@@ -77,10 +89,14 @@ void fill_row(Spectra& spectra, const Amplitudes& amplitudes, const TextureModel
     const auto counter = static_cast<std::uint64_t>((conjugate ? mirror : j) * half + i);
     const auto words = random_words(seed, kPhaseStream, counter);
     const auto place = static_cast<std::size_t>(j * half + i);
+    std::array<Complex, kChannels> drawn;
     for (std::size_t m = 0; m < kChannels; ++m) {
       const std::uint32_t bits = half_word(words, common ? 0 : m);
-      Complex unit = real ? Complex(bits & 1 ? 1.f : -1.f, 0) : units[bits >> 4];
-      if (conjugate) unit = std::conj(unit);
+      drawn[m] = real ? Complex(bits & 1 ? 1.f : -1.f, 0) : units[bits >> 4];
+      if (conjugate) drawn[m] = std::conj(drawn[m]);
+    }
+    for (std::size_t m = 0; m < kChannels; ++m) {
+      const Complex unit = mixed ? mixed_number(amplitudes.mixing, m, drawn) : drawn[m];
       if (separable) {
         const float a = amplitudes.axes[m].y[static_cast<std::size_t>(j)] *
                         amplitudes.axes[m].x[static_cast<std::size_t>(i)];
@@ -95,27 +111,16 @@ void fill_row(Spectra& spectra, const Amplitudes& amplitudes, const TextureModel
       spectrum[0] = 0;  // the mean is the model's
 }
 
-/// Components to channels, and the mean.
-void mix(TextureField& field, const TextureModel& model) {
-  const bool plain = model.mixing == Covariance::Identity();
-  parallel_blocks(field[0].rows(), kRowsPerBlock, [&](std::int64_t begin, std::int64_t end) {
-    for (Eigen::Index k = begin * field[0].cols(); k < end * field[0].cols(); ++k) {
-      std::array<float, kChannels> mixed{};
-      for (std::size_t c = 0; c < kChannels; ++c) {
-        double value = model.mean[c];
-        if (plain) {
-          value += field[c].data()[k];
-        } else {
-          for (std::size_t m = 0; m < kChannels; ++m)
-            value +=
-                model.mixing(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(m)) * field[m].data()[k];
-        }
-        mixed[c] = static_cast<float>(value);
-      }
-      for (std::size_t c = 0; c < kChannels; ++c)
-        field[c].data()[k] = mixed[c];
-    }
-  });
+/// A channel from its deviations, which are scaled and get the mean.
+Grid<float> channel_of(const Eigen::Map<const Grid<float>>& deviations, double scale, double mean) {
+  return (scale * deviations.cast<double>() + mean).cast<float>();
+}
+
+/// What brings a channel to the model's variance: mixed phases are no unit numbers, and meet it on average
+/// only.
+double scale_to(double variance, const Eigen::Map<const Grid<float>>& deviations) {
+  const double found = deviations.cast<double>().square().mean();
+  return found > 0 ? std::sqrt(variance / found) : 1;
 }
 
 /// Normal numbers of 16 bits: the quantile in the middle of each of 65536 equal parts.
@@ -146,11 +151,14 @@ Eigen::Index kernel_reach(const TextureModel& model) {
   return std::clamp<Eigen::Index>(6 * reach, 64, 1024);
 }
 
-/// White noise of every component (of one for all if they have a common phase) on a part of a texture's
-/// plane, periodic with the texture; constant along an axis along which the component is.
-std::array<FftVector<float>, kChannels> periodic_noise(const TextureModel& model, const TextureSize& size,
-                                                       std::uint64_t seed, const TexturePart& part) {
+/// White noise of every channel (of one for all if they have a common phase) on a part of a texture's plane,
+/// periodic with the texture; constant along an axis along which the channel is.
+std::array<FftVector<float>, kChannels> periodic_noise(const TextureModel& model,
+                                                       const Eigen::Matrix<float, 5, 5>& mixing,
+                                                       const TextureSize& size, std::uint64_t seed,
+                                                       const TexturePart& part) {
   const std::size_t drawn = model.common_phase() ? 1 : kChannels;
+  const bool mixed = model.mixed_phases();
   std::array<FftVector<float>, kChannels> noise;
   std::array<bool, kChannels> along_x{}, along_y{};
   for (std::size_t m = 0; m < drawn; ++m) {
@@ -172,8 +180,12 @@ std::array<FftVector<float>, kChannels> periodic_noise(const TextureModel& model
         const auto words = words_at(row, col);
         for (std::size_t m = 0; m < drawn; ++m) {
           const bool constant = along_x[m] || along_y[m];
-          noise[m][static_cast<std::size_t>(j * part.cols + i)] = quantiles[half_word(
-              constant ? words_at(along_y[m] ? 0 : row, along_x[m] ? 0 : col) : words, m)];
+          const auto own = constant ? words_at(along_y[m] ? 0 : row, along_x[m] ? 0 : col) : words;
+          const auto quantile = [&](std::size_t k) { return quantiles[half_word(own, k)]; };
+          noise[m][static_cast<std::size_t>(j * part.cols + i)] =
+              mixed ? mixed_number<float>(mixing, m,
+                                          {quantile(0), quantile(1), quantile(2), quantile(3), quantile(4)})
+                    : quantile(m);
         }
       }
   });
@@ -186,8 +198,9 @@ TextureField synthesise(const TextureModel& model, const TextureSize& size, std:
   const RealFft<float> transform({size.rows, size.cols, 1});
   const Amplitudes amplitudes(model, size.rows, size.cols);
   Spectra spectra;
-  for (auto& spectrum : spectra)
-    spectrum.resize(static_cast<std::size_t>(transform.shape().half_size()));
+  parallel_for(kChannels, [&](std::int64_t k) {  // memory is slow to come
+    spectra[static_cast<std::size_t>(k)].resize(static_cast<std::size_t>(transform.shape().half_size()));
+  });
   parallel_blocks(size.rows, kRowsPerBlock, [&](std::int64_t begin, std::int64_t end) {
     for (Eigen::Index j = begin; j < end; ++j)
       fill_row(spectra, amplitudes, model, seed, j, size);
@@ -198,9 +211,10 @@ TextureField synthesise(const TextureModel& model, const TextureSize& size, std:
     FftVector<float> values(static_cast<std::size_t>(size.rows * size.cols));
     transform.backward(spectra[m].data(), values.data());
     spectra[m] = {};
-    field[m] = Eigen::Map<const Grid<float>>(values.data(), size.rows, size.cols);
+    const Eigen::Map<const Grid<float>> deviations(values.data(), size.rows, size.cols);
+    const double scale = model.mixed_phases() ? scale_to(model.variance[m], deviations) : 1;
+    field[m] = channel_of(deviations, scale, model.mean[m]);
   });
-  mix(field, model);
   return field;
 }
 
@@ -212,7 +226,8 @@ TextureField synthesise_part(const TextureModel& model, const TextureSize& size,
   const RealFft<float> transform({rows, cols, 1});
   const Amplitudes amplitudes(model, rows, cols, margin);
   const bool common = model.common_phase();
-  auto noise = periodic_noise(model, size, seed, {part.row - margin, part.col - margin, rows, cols});
+  auto noise = periodic_noise(model, amplitudes.mixing, size, seed,
+                              {part.row - margin, part.col - margin, rows, cols});
   // Noise of variance 1 has numbers of mean square rows·cols where synthesise() has phases of modulus 1.
   const float unit = 1 / std::sqrt(static_cast<float>(rows) * static_cast<float>(cols));
   Spectra drawn;
@@ -232,10 +247,10 @@ TextureField synthesise_part(const TextureModel& model, const TextureSize& size,
         spectrum[static_cast<std::size_t>(j * half + i)] *= amplitudes.at(m, j, i) * unit;
     FftVector<float> values(static_cast<std::size_t>(rows * cols));
     transform.backward(spectrum.data(), values.data());
-    field[m] =
+    const Grid<float> deviations =
         Eigen::Map<const Grid<float>>(values.data(), rows, cols).block(margin, margin, part.rows, part.cols);
+    field[m] = channel_of({deviations.data(), part.rows, part.cols}, 1, model.mean[m]);
   });
-  mix(field, model);
   return field;
 }
 

@@ -214,6 +214,49 @@ TEST(Synthesis, JointStripsKeepCovariancesAtLagZero) {
     }
 }
 
+TEST(Synthesis, JointStripsKeepEachNumbersOwnSpectrum) {
+  // Slopes of an isotropic surface: one varies slowly along x, the other along y, and they have nothing in
+  // common; a third goes with the first. Mixed before their spectra are taken, all would have the mean of
+  // them.
+  constexpr Eigen::Index kLength = 300;
+  constexpr double kNear = 0.12;  // correlations of 300 texels
+  Exemplar cross = make_exemplar(kLength, kLength);
+  for (Eigen::Index k = 0; k < kLength; ++k)
+    for (const auto& [j, i] : {std::pair{Eigen::Index{7}, k}, std::pair{k, Eigen::Index{9}}}) {
+      const auto at = [&](std::uint32_t stream, Eigen::Index place) {
+        return random_normal(11, stream, static_cast<std::uint64_t>(place))[0];
+      };
+      const bool along_x = j == 7;
+      const auto slow = [&](std::uint32_t stream) {
+        double sum = 0;
+        for (Eigen::Index d = 0; d < 4; ++d)
+          sum += at(stream, k + d) / 2;
+        return sum;
+      };
+      const std::uint32_t axis = along_x ? 0 : 10;
+      const double a = along_x ? slow(axis) : at(axis, k), b = along_x ? at(axis + 1, k) : slow(axis + 1);
+      cross.channels[0](j, i) = a;
+      cross.channels[1](j, i) = b;
+      cross.channels[2](j, i) = 0.8 * a + 0.6 * (along_x ? slow(axis + 2) : at(axis + 2, k));
+      cross.channels[3](j, i) = at(axis + 3, k);
+      cross.channels[4](j, i) = at(axis + 4, k);
+    }
+  const TextureModel model = model_of(cross, Recipe::Joint, Taper::None);
+  for (const Exemplar& texture :
+       {as_exemplar(synthesise(model, {256, 256}, 1)),
+        as_exemplar(synthesise_part(model, {6000, 6000}, 1, {100, 5900, 256, 256}))}) {
+    const auto at_lag = [&](std::size_t a, std::size_t b, Eigen::Index dj, Eigen::Index di) {
+      return correlation(texture, a, b, dj, di, false);
+    };
+    EXPECT_NEAR(at_lag(0, 0, 0, 1), 0.75, kNear);  // of a mean over four texels
+    EXPECT_NEAR(at_lag(0, 0, 1, 0), 0, kNear);
+    EXPECT_NEAR(at_lag(1, 1, 0, 1), 0, kNear);
+    EXPECT_NEAR(at_lag(1, 1, 1, 0), 0.75, kNear);
+    EXPECT_NEAR(at_lag(0, 1, 0, 0), 0, kNear);
+    EXPECT_NEAR(at_lag(0, 2, 0, 0), 0.8, kNear);
+  }
+}
+
 TEST(Synthesis, IsConstantForAConstantExemplar) {
   Exemplar exemplar = make_exemplar(3, 50);
   for (std::size_t c = 0; c < kChannels; ++c)
