@@ -47,6 +47,7 @@ struct Fftw<double> {
   static constexpr auto execute_forward = fftw_execute_dft_r2c;
   static constexpr auto execute_backward = fftw_execute_dft_c2r;
   static constexpr auto destroy = fftw_destroy_plan;
+  static constexpr auto alignment = fftw_alignment_of;
 };
 
 template <>
@@ -60,6 +61,7 @@ struct Fftw<float> {
   static constexpr auto execute_forward = fftwf_execute_dft_r2c;
   static constexpr auto execute_backward = fftwf_execute_dft_c2r;
   static constexpr auto destroy = fftwf_destroy_plan;
+  static constexpr auto alignment = fftwf_alignment_of;
 };
 
 template <typename Real>
@@ -158,6 +160,11 @@ void RealFft<Real>::backward(std::complex<Real>* in, Real* out) const {
   Fftw<Real>::execute_backward(get<Real>(backward_), as_fftw(in), out);
 }
 
+template <typename Real>
+bool is_fft_aligned(const Real* buffer) {
+  return Fftw<Real>::alignment(const_cast<Real*>(buffer)) == 0;  // which is fftw_malloc's
+}
+
 std::int64_t fast_fft_size(std::int64_t n) {
   for (std::int64_t size = n > 2 ? n + n % 2 : 2;; size += 2) {
     std::int64_t rest = size;
@@ -168,6 +175,8 @@ std::int64_t fast_fft_size(std::int64_t n) {
   }
 }
 
+template bool is_fft_aligned(const float*);
+template bool is_fft_aligned(const double*);
 template class ComplexFft<float>;
 template class ComplexFft<double>;
 template class RealFft<float>;

@@ -31,6 +31,10 @@ struct FftAllocator {
 template <typename T>
 using FftVector = std::vector<T, FftAllocator<T>>;
 
+/// Whether a buffer is as well aligned as FftVector's are.
+template <typename Real>
+bool is_fft_aligned(const Real* buffer);
+
 /// How a plan is found: Estimate is immediate and gives the same plan, hence the same bits, every time;
 /// Measure tries a few and is worth it when the plan runs many times.
 enum class FftPlanning { Estimate, Measure };
@@ -82,6 +86,8 @@ class RealFft {
 /// The smallest even number ≥ n (and ≥ 2) whose only prime factors are 2, 3, 5 and 7: sizes that are fast.
 std::int64_t fast_fft_size(std::int64_t n);
 
+extern template bool is_fft_aligned(const float*);
+extern template bool is_fft_aligned(const double*);
 extern template class ComplexFft<float>;
 extern template class ComplexFft<double>;
 extern template class RealFft<float>;

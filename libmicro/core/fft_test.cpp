@@ -97,6 +97,15 @@ TYPED_TEST(Fft, PlansAndRunsOnAllThreads) {
     EXPECT_LE(e, this->tolerance(1));
 }
 
+TEST(FftAlignment, IsThatOfFftVectors) {
+  const FftVector<float> floats(100);
+  const FftVector<double> doubles(100);
+  EXPECT_TRUE(is_fft_aligned(floats.data()));
+  EXPECT_TRUE(is_fft_aligned(doubles.data()));
+  EXPECT_FALSE(is_fft_aligned(floats.data() + 1));
+  EXPECT_FALSE(is_fft_aligned(doubles.data() + 1));
+}
+
 TEST(FastFftSize, IsEvenAndSmooth) {
   EXPECT_EQ(fast_fft_size(1), 2);
   EXPECT_EQ(fast_fft_size(11), 12);

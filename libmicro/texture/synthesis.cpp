@@ -111,14 +111,14 @@ void fill_row(Spectra& spectra, const Amplitudes& amplitudes, const TextureModel
       spectrum[0] = 0;  // the mean is the model's
 }
 
-/// A channel from its deviations, which are scaled and get the mean.
-Grid<float> channel_of(const Eigen::Map<const Grid<float>>& deviations, double scale, double mean) {
-  return (scale * deviations.cast<double>() + mean).cast<float>();
+/// Scales a channel's deviations and adds its mean.
+void finish_channel(Grid<float>& channel, double scale, double mean) {
+  channel = (scale * channel.cast<double>() + mean).cast<float>();
 }
 
 /// What brings a channel to the model's variance: mixed phases are no unit numbers, and meet it on average
 /// only.
-double scale_to(double variance, const Eigen::Map<const Grid<float>>& deviations) {
+double scale_to(double variance, const Grid<float>& deviations) {
   const double found = deviations.cast<double>().square().mean();
   return found > 0 ? std::sqrt(variance / found) : 1;
 }
@@ -208,12 +208,16 @@ TextureField synthesise(const TextureModel& model, const TextureSize& size, std:
   TextureField field;
   parallel_for(kChannels, [&](std::int64_t k) {
     const auto m = static_cast<std::size_t>(k);
-    FftVector<float> values(static_cast<std::size_t>(size.rows * size.cols));
-    transform.backward(spectra[m].data(), values.data());
+    field[m].resize(size.rows, size.cols);
+    if (is_fft_aligned(field[m].data())) {
+      transform.backward(spectra[m].data(), field[m].data());
+    } else {
+      FftVector<float> values(static_cast<std::size_t>(size.rows * size.cols));
+      transform.backward(spectra[m].data(), values.data());
+      std::copy(values.begin(), values.end(), field[m].data());
+    }
     spectra[m] = {};
-    const Eigen::Map<const Grid<float>> deviations(values.data(), size.rows, size.cols);
-    const double scale = model.mixed_phases() ? scale_to(model.variance[m], deviations) : 1;
-    field[m] = channel_of(deviations, scale, model.mean[m]);
+    finish_channel(field[m], model.mixed_phases() ? scale_to(model.variance[m], field[m]) : 1, model.mean[m]);
   });
   return field;
 }
@@ -247,9 +251,9 @@ TextureField synthesise_part(const TextureModel& model, const TextureSize& size,
         spectrum[static_cast<std::size_t>(j * half + i)] *= amplitudes.at(m, j, i) * unit;
     FftVector<float> values(static_cast<std::size_t>(rows * cols));
     transform.backward(spectrum.data(), values.data());
-    const Grid<float> deviations =
+    field[m] =
         Eigen::Map<const Grid<float>>(values.data(), rows, cols).block(margin, margin, part.rows, part.cols);
-    field[m] = channel_of({deviations.data(), part.rows, part.cols}, 1, model.mean[m]);
+    finish_channel(field[m], 1, model.mean[m]);
   });
   return field;
 }
