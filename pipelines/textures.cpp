@@ -258,6 +258,14 @@ void write_attributes(Hdf5Writer& file, const TextureSummary& summary, const Req
   set("seconds", summary.seconds);
 }
 
+/// How many texels are narrower than half can tell, as the picture's finest level holds them.
+std::int64_t below_half(const std::vector<float>& parameters) {
+  std::int64_t texels = 0;
+  for (std::size_t k = 0; k < parameters.size(); k += kChannels)
+    texels += std::min(parameters[k], parameters[k + 1]) < ExrTextureWriter::kLeastHalf ? 1 : 0;
+  return texels;
+}
+
 /// What a model's spectra were measured on.
 std::string basis_of(const TextureModel& model) {
   const auto* axes = std::get_if<TextureModel::Axes>(&model.spectrum);
@@ -317,6 +325,7 @@ TextureSummary write_texture(const Texels& texels, const TextureRequest& request
   CoarseLevels coarse(size, levels, picture);
   const Eigen::Index step = summary.in_parts ? kPart : kWhole;
   TextureField first;
+  std::int64_t narrow = 0;
   for (Eigen::Index row = 0; row < size.rows; row += step)
     for (Eigen::Index col = 0; col < size.cols; col += step) {
       const TexturePart part = {row, col, std::min(step, size.rows - row), std::min(step, size.cols - col)};
@@ -326,6 +335,7 @@ TextureSummary write_texture(const Texels& texels, const TextureRequest& request
       const std::vector<float> parameters = parameters_of(field);
       datasets.write(part, field, parameters);
       picture.write(0, row, col, planes_of(parameters, part.rows, part.cols));
+      if (request.pixel == ExrPixel::Half) narrow += below_half(parameters);
       if (levels > 1) coarse.add(part, field);
       if (row == 0 && col == 0) {
         summary.picture = texture_picture(exemplar, field);
@@ -340,6 +350,11 @@ TextureSummary write_texture(const Texels& texels, const TextureRequest& request
   write_attributes(file, summary, names);
   if (!summary.misfits.empty()) write_misfits(file, summary.misfits);
   summary.plan = plan_of(summary, names, model, levels);
+  if (narrow > 0)
+    summary.plan.push_back(
+        ran("half", counted(narrow, "texel") +
+                        " narrower than 6.1e-05, the least width in half, written as that: "
+                        "--pixel float keeps them"));
   return summary;
 }
 

@@ -90,6 +90,26 @@ TEST(Textures, WriteEveryTexelValid) {
   }
 }
 
+TEST(Textures, SayWhatHalfCannotHold) {
+  const TemporaryFolder folder;
+  TextureRequest request;
+  request.size = {8, 8};
+  request.marginals = TextureRequest::Marginals::Gaussian;
+  Texels texels = made_texels(4, 4);
+  const auto stage = [&](ExrPixel pixel) -> std::string {
+    request.pixel = pixel;
+    Hdf5Writer file(folder.path() / "t.h5");
+    for (const Stage& s : write_texture(texels, request, file, folder.path() / "t.exr", "test").plan)
+      if (s.name == "half") return s.reason;
+    return "";
+  };
+  EXPECT_EQ(stage(ExrPixel::Half), "");
+  for (Texel& texel : texels.texels)
+    texel.fit.frame.l22 = 1e-5;
+  EXPECT_EQ(stage(ExrPixel::Half).find("64 texels narrower"), 0u) << stage(ExrPixel::Half);
+  EXPECT_EQ(stage(ExrPixel::Float), "");
+}
+
 TEST(Textures, GoByPartsWhereTheyAreLarge) {
   const TemporaryFolder folder;
   TextureRequest request;

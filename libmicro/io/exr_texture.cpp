@@ -74,7 +74,7 @@ void ExrTextureWriter::write(int level, Eigen::Index row, Eigen::Index col,
       char* base = const_cast<char*>(reinterpret_cast<const char*>(values[c].data()));
       std::size_t pixel = sizeof(float);
       if (in_half) {
-        const float least = state_->is_positive(channel) ? 0x1p-14F : -65504.F;
+        const float least = state_->is_positive(channel) ? kLeastHalf : -65504.F;
         halves.push_back(values[c].unaryExpr([least](float value) {
           return half(std::isnan(value) ? value : std::clamp(value, least, 65504.F));
         }));

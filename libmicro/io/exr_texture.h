@@ -24,13 +24,14 @@ class ExrTextureWriter {
   struct Layout {
     Eigen::Index rows, cols;
     std::vector<std::string> channels;
-    /// Channels that must stay positive: in half they are never less than 2⁻¹⁴, its smallest normal number.
+    /// Channels that must stay positive: in half they are never less than kLeastHalf.
     std::vector<std::string> positive;
     ExrPixel pixel = ExrPixel::Float;
     Levels levels = Levels::All;
     std::vector<std::pair<std::string, std::string>> attributes;
   };
   static constexpr Eigen::Index kTile = 64;
+  static constexpr float kLeastHalf = 0x1p-14F;  ///< half's smallest normal number
 
   /// Throws FileError.
   ExrTextureWriter(const std::filesystem::path& path, const Layout& layout);
