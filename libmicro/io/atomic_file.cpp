@@ -4,7 +4,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <map>
@@ -113,14 +112,12 @@ void require_writable(std::span<const fs::path> files, std::span<const fs::path>
     const fs::path whole = fs::weakly_canonical(fs::absolute(path, error), error);
     return error ? path : whole;
   };
-  std::map<fs::path, fs::path> taken;
+  std::map<fs::path, const char*> taken;
   for (const fs::path& input : inputs)
-    taken.emplace(place(input), input);
+    taken.emplace(place(input), "is read, so it is not replaced");
   for (const fs::path& file : files) {
-    const auto [other, fresh] = taken.emplace(place(file), file);
-    const bool read = std::any_of(inputs.begin(), inputs.end(),
-                                  [&](const fs::path& input) { return input == other->second; });
-    if (!fresh) throw FileError(file, read ? "is read, so it is not replaced" : "would be written twice");
+    const auto found = taken.emplace(place(file), "would be written twice");
+    if (!found.second) throw FileError(file, found.first->second);
     const AtomicFile probe(file);
   }
 }
