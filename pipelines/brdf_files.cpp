@@ -119,8 +119,9 @@ void write_table(Hdf5Writer& file, const BrdfReport& report) {
              sampled(grid.phi_d, [&](std::int64_t i) { return grid.phi_d_at(i); }));
   file.attach_scale(group + "/f", 0, "/brdf/lambda_um", "wavelength");
   unsigned axis = 1;
+  const std::string f = group + "/f", within = group + "/";
   for (const std::string name : {"theta_h", "theta_d", "phi_d"})
-    file.attach_scale(group + "/f", axis++, group + "/" + name, name);
+    file.attach_scale(f, axis++, within + name, name);
   file.set_attribute(group, "unit", std::string_view("1/sr"));
   file.set_attribute(group, "phi_h", grid.phi_h);
   file.set_attribute(group, "seconds", report.table->cost.seconds);
@@ -245,8 +246,8 @@ std::vector<std::filesystem::path> brdf_picture_paths(const std::filesystem::pat
 
 std::vector<std::filesystem::path> write_brdf_pictures(const std::filesystem::path& path,
                                                        const BrdfReport& report) {
-  const std::vector<std::filesystem::path> files = brdf_picture_paths(path, report.request);
-  auto next = files.begin();
+  std::vector<std::filesystem::path> files = brdf_picture_paths(path, report.request);
+  auto next = files.cbegin();
   if (!report.slices.empty()) write_text_file(*next++, slices_csv(report));
   if (!report.albedo.empty()) write_text_file(*next++, albedo_csv(report));
   if (report.spectrum) write_text_file(*next++, spectrum_csv(*report.spectrum));

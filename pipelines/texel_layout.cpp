@@ -79,7 +79,7 @@ std::map<std::string, Place> read_manifest(const std::filesystem::path& path) {
     const auto row = number(row_text), col = number(col_text);
     if (!row || !col) throw FileError(path, at + " has no whole numbers for row and column");
     if (!known.try_emplace(listed_source(source), Place{*row, *col}).second)
-      throw FileError(path, at + " gives " + source + " a second place");
+      throw FileError(path, std::string(at).append(" gives ").append(source).append(" a second place"));
   }
   return known;
 }
@@ -117,6 +117,7 @@ std::vector<Eigen::Index> columns_of(const std::vector<double>& positions, doubl
     columns[sorted[k]] = column;
   }
   std::vector<Eigen::Index> numbers;
+  numbers.reserve(positions.size());
   for (const double position : positions)
     numbers.push_back(columns[position]);
   return numbers;

@@ -45,7 +45,7 @@ class Descriptor {
 fs::path make_temporary(const fs::path& path, const fs::path& folder) {
   static std::atomic<unsigned> count{0};
   for (;;) {
-    const fs::path name = folder / temporary_name(std::to_string(::getpid()) + "-" + std::to_string(count++));
+    fs::path name = folder / temporary_name(std::to_string(::getpid()) + "-" + std::to_string(count++));
     if (Descriptor file(name, O_WRONLY | O_CREAT | O_EXCL); file.get() >= 0) return name;
     if (errno != EEXIST) throw FileError(path, "cannot be written: " + reason(errno));
   }
