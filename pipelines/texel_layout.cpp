@@ -7,6 +7,7 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -95,6 +96,50 @@ Places places_by_manifest(const ScanListing& listing, const std::filesystem::pat
   return places;
 }
 
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+/// Whether a name comes before another where runs of digits count as numbers: a2 before a10.
+bool in_natural_order(const std::string& a, const std::string& b) {
+  const auto digits = [](const std::string& text, std::size_t& at) {
+    std::size_t begin = at;
+    while (at < text.size() && is_digit(text[at]))
+      ++at;
+    while (begin + 1 < at && text[begin] == '0')
+      ++begin;
+    return text.substr(begin, at - begin);
+  };
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      const std::string left = digits(a, i), right = digits(b, j);
+      if (left.size() != right.size()) return left.size() < right.size();
+      if (left != right) return left < right;
+    } else if (a[i] != b[j]) {
+      return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+    } else {
+      ++i;
+      ++j;
+    }
+  }
+  // The same but for zeros in front, or for what one has more.
+  return i < a.size() || j < b.size() ? i == a.size() : a < b;
+}
+
+/// Side by side along x.
+Places places_in_order(const ScanListing& listing) {
+  std::vector<std::size_t> order(listing.scans.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return in_natural_order(listing.scans[a].source, listing.scans[b].source);
+  });
+  Places places(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    places[order[k]] = Place{0, static_cast<Eigen::Index>(k)};
+  return places;
+}
+
 /// The numbers of columns (or rows) that positions along an axis, µm, lie in. Those within half a scan are
 /// one column; columns are whole steps of the smallest one apart, to an eighth of it.
 std::vector<Eigen::Index> columns_of(const std::vector<double>& positions, double scan, const char* axis) {
@@ -173,9 +218,8 @@ TexelLayout lay_out(const ScanListing& listing, const LayoutRule& rule) {
   } else if (std::holds_alternative<ByStage>(rule)) {
     layout = layout_by_stage(listing);
   } else {
-    for (std::size_t k = 0; k < listing.scans.size(); ++k)
-      layout.places.push_back(Place{0, static_cast<Eigen::Index>(k)});
-    layout.how = "one strip along x, in the listing's order";
+    layout.places = places_in_order(listing);
+    layout.how = "one strip along x, in the order of names, numbers in them counting as numbers";
   }
   if (layout.places.empty()) return layout;
   constexpr Eigen::Index kEnd = std::numeric_limits<Eigen::Index>::max();

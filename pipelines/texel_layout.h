@@ -13,10 +13,11 @@
 
 namespace micro {
 
-/// How the places of scans are known: they lie side by side along x in the listing's order; their names say
-/// it, by a pattern like "r{row}_c{col}" (one of the two may be left out: it is 0); a manifest, a text
-/// file of lines `source,row,col` (blank lines, those that begin with #, and a head `source,row,col` count
-/// for nothing); or the stage coordinates in their headers, as rows and columns of a grid of even steps.
+/// How the places of scans are known: they lie side by side along x in the order of their names, where a2
+/// comes before a10; their names say it, by a pattern like "r{row}_c{col}" (one of the two may be left out:
+/// it is 0); a manifest, a text file of lines `source,row,col` (blank lines, those that begin with #, and a
+/// head `source,row,col` count for nothing); or the stage coordinates in their headers, as rows and columns
+/// of a grid of even steps.
 struct InOrder {};
 struct ByName {
   std::string pattern;

@@ -59,6 +59,19 @@ TEST(TexelLayout, ReadsNamesAndManifests) {
   EXPECT_EQ(typed.places[1]->col, 5);
 }
 
+TEST(TexelLayout, CountsNumbersInNames) {
+  // As listings have them: by letters.
+  const std::vector<std::string> names = {"s10.dat", "s10b1.dat", "s2.dat",
+                                          "s2a.dat", "sub/1.dat", "t007.dat",
+                                          "t07.dat", "t1e30.dat", "t99999999999999999999999.dat"};
+  const std::vector<Eigen::Index> places = {2, 3, 0, 1, 4, 6, 7, 5, 8};
+  const TexelLayout layout = lay_out(listing_of(names), InOrder{});
+  EXPECT_EQ(layout.rows, 1);
+  ASSERT_EQ(layout.cols, 9);
+  for (std::size_t k = 0; k < names.size(); ++k)
+    EXPECT_EQ(layout.places[k]->col, places[k]) << names[k];
+}
+
 /// A scan with stage coordinates, µm; nothing is said of it if `x` is NaN.
 void write_at(const std::filesystem::path& path, double x, double y) {
   std::string header =

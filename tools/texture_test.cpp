@@ -68,7 +68,8 @@ TEST_F(TextureCommand, SaysWhatRanAndWhatWasLeftOutAndWhy) {
   };
   using nlohmann::json;
   json plan = plan_of("--size 8x4 --seed 3");
-  EXPECT_EQ(plan.at("layout"), json({true, "one strip along x, in the listing's order"}));
+  EXPECT_EQ(plan.at("layout"),
+            json({true, "one strip along x, in the order of names, numbers in them counting as numbers"}));
   EXPECT_EQ(plan.at("texels"),
             json({true, "1 x 3 of 3 scans, 3 fits converged, 0 gaps, about 32 independent normals each"}));
   EXPECT_EQ(plan.at("common tilt").at(0), true);
