@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/memory.h"
 #include "pipelines/pitch_groups.h"
 #include "pipelines/version.h"
 #include "tools/commands.h"
@@ -113,6 +114,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using micro::tools::kNothing;
+  micro::keep_freed_memory();
   try {
     return run(argc, argv);
   } catch (const micro::MixedPitches& error) {

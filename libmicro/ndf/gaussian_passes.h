@@ -1,18 +1,22 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace micro {
 
+/// Columns of a strip: what one call of the passes below works on.
+constexpr std::size_t kStripColumns = 32;
+
 /// The one-dimensional weights of a Gaussian window and its first moments, sampled at the grid's pitch and
 /// cut off at ±radius samples: with x = (t − radius)·pitch/σ,
 ///   moment(m)[t] = x^m exp(−x²/2),  m = 0, 1, 2,  t = 0 … 2·radius.
-/// Each row carries kPad zeros on both sides, so that several shifted outputs can share one loop over the
+/// Each row carries kPad zeros on both sides, so that all outputs of a strip can share one loop over the
 /// input.
 class GaussianTaps {
  public:
-  static constexpr std::size_t kPad = 4;
+  static constexpr std::size_t kPad = kStripColumns;
 
   /// pitch and sigma in µm. The window reaches kReach·σ, or `longest` samples where the surface is smaller
   /// than that.
@@ -31,44 +35,36 @@ class GaussianTaps {
   std::vector<double> taps_;
 };
 
-/// Columns that a tile of TiledRows holds side by side.
-constexpr std::size_t kTileColumns = 32;
-
-/// rows × cols doubles, stored as vertical strips of kTileColumns columns, so that a pass across rows streams
-/// through memory. The last strip is padded with columns that nobody reads.
-class TiledRows {
+/// rows × kStripColumns doubles, not set to anything at first.
+class Strip {
  public:
-  TiledRows(std::size_t rows, std::size_t cols)
-      : rows_(rows), tiles_((cols + kTileColumns - 1) / kTileColumns), data_(rows * tiles_ * kTileColumns) {}
+  explicit Strip(std::size_t rows) : rows_(rows), data_(new double[rows * kStripColumns]) {}
   std::size_t rows() const { return rows_; }
-  std::size_t tiles() const { return tiles_; }
-  double* at(std::size_t tile, std::size_t row) { return data_.data() + (tile * rows_ + row) * kTileColumns; }
-  const double* at(std::size_t tile, std::size_t row) const {
-    return data_.data() + (tile * rows_ + row) * kTileColumns;
-  }
+  double* at(std::size_t row) { return data_.get() + row * kStripColumns; }
+  const double* at(std::size_t row) const { return data_.get() + row * kStripColumns; }
 
  private:
-  std::size_t rows_, tiles_;
-  std::vector<double> data_;
+  std::size_t rows_;
+  std::unique_ptr<double[]> data_;
 };
 
-/// One row of input, with radius zeros before it and enough zeros behind it for whole tiles.
-std::vector<double> padded_row(std::size_t cols, std::size_t radius);
+/// Row pass: out_m[i] = Σ_t moment(m)[t]·values[i + t], m = 0, 1, i < kStripColumns, of the
+/// kStripColumns + 2·radius values that begin radius columns before the strip.
+void pass_along_row(const double* values, const GaussianTaps& taps, double* const (&out)[2]);
 
-/// Row pass: out_m[i] = Σ_t moment(m)[t]·padded[i + t] for the first `moments` moments (2 or 3) of one row,
-/// written to row `row` of each out_m; padded is laid out as padded_row() says.
-/// Only the tiles in [tile_begin, tile_end) are computed.
-void pass_along_row(const double* padded, const GaussianTaps& taps, std::size_t row, std::size_t tile_begin,
-                    std::size_t tile_end, std::size_t moments, TiledRows* const* out);
+/// Row pass over few points: out_m[i] += factor·Σ_p moment(m)[p − i], m = 0, 1, 2, for the points `places`,
+/// counted from radius columns before the strip.
+void add_along_row(const std::vector<std::size_t>& places, double factor, const GaussianTaps& taps,
+                   double* const (&out)[3]);
 
 /// Rows that pass_across_rows handles at a time.
 constexpr std::size_t kBlockRows = 4;
-using TileBlock = double[kBlockRows][kTileColumns];
+using StripBlock = double[kBlockRows][kStripColumns];
 
-/// Column pass: out_m[r][i] = Σ_t moment(first + m)[t]·in(tile, row + r + t − radius, i), m = 0 … moments−1,
-/// for kBlockRows rows from `row` on (those past the last row come out meaningless); rows outside the grid
-/// count as zero.
-void pass_across_rows(const TiledRows& in, const GaussianTaps& taps, std::size_t tile, std::size_t row,
-                      std::size_t first, std::size_t moments, TileBlock* out);
+/// Column pass: out_m[r][i] = Σ_t moment(first + m)[t]·in(row + r + t − radius, i), m = 0 … moments−1, for
+/// kBlockRows rows from `row` on (those past the last row come out meaningless); rows outside the strip count
+/// as zero.
+void pass_across_rows(const Strip& in, const GaussianTaps& taps, std::size_t row, std::size_t first,
+                      std::size_t moments, StripBlock* out);
 
 }  // namespace micro

@@ -1,61 +1,20 @@
 #include "ndf/local_planes.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numbers>
-#include <optional>
 #include <sstream>
 
 #include "core/error.h"
 #include "core/parallel.h"
 #include "ndf/gaussian_passes.h"
+#include "ndf/plane_fits.h"
 #include "ndf/truncation.h"
 
 namespace micro {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-/// Gaussian moments of a window in units of σ: of the mask (m…) and of the heights (z…).
-struct Moments {
-  double m, mx, my, mxx, mxy, myy;
-  double z, zx, zy;
-};
-
-struct Slopes {
-  double x, y;  ///< per σ; NaN if the moments don't determine a plane
-};
-
-/// A lower bound on the moment matrix's least eigenvalue. With the mean position
-/// µ = (⟨x⟩, ⟨y⟩)/⟨1⟩ and the centred second moments S the matrix is L·diag(⟨1⟩, S)·Lᵀ, and ‖L⁻¹‖² ≤ 2(1 +
-/// µ²).
-double least_eigenvalue_bound(double m, double mu2, double determinant, double trace) {
-  return trace > 0 ? std::min(m, determinant / trace) / (2 * (1 + mu2)) : 0;
-}
-
-/// Is the reciprocal condition at least kLeastCondition? The bound settles nearly all cases, the eigenvalues
-/// the rest.
-bool well_conditioned(const Moments& w, double mu2, double determinant, double trace) {
-  if (least_eigenvalue_bound(w.m, mu2, determinant, trace) >= kLeastCondition * (w.m + w.mxx + w.myy))
-    return true;
-  Eigen::Matrix3d matrix;
-  matrix << w.m, w.mx, w.my, w.mx, w.mxx, w.mxy, w.my, w.mxy, w.myy;
-  const Eigen::Vector3d eigenvalues = matrix.selfadjointView<Eigen::Lower>().eigenvalues();
-  return eigenvalues[0] >= kLeastCondition * eigenvalues[2];
-}
-
-/// Solves the 3×3 normal equations, the constant eliminated first. NaN if they are ill conditioned.
-Slopes fit_plane(const Moments& w) {
-  const double mu_x = w.mx / w.m, mu_y = w.my / w.m;
-  const double sxx = w.mxx - mu_x * w.mx, sxy = w.mxy - mu_x * w.my, syy = w.myy - mu_y * w.my;
-  const double szx = w.zx - w.z * mu_x, szy = w.zy - w.z * mu_y;
-  const double determinant = sxx * syy - sxy * sxy;
-  if (!well_conditioned(w, mu_x * mu_x + mu_y * mu_y, determinant, sxx + syy)) return {kNaN, kNaN};
-  const double inverse = 1 / determinant;
-  return {(szx * syy - szy * sxy) * inverse, (szy * sxx - szx * sxy) * inverse};
-}
 
 /// ⟨1⟩, ⟨x⟩, ⟨x²⟩ of a complete row (or column) of n points around each of its points: the border's effect
 /// alone.
@@ -88,8 +47,9 @@ bool borders_well_conditioned(const Profile& x, const Profile& y) {
                      std::pow(std::max(-least(y.mean), most(y.mean)), 2);
   const double sxx = least(y.m0) / most(x.inverse_variance), syy = least(x.m0) / most(y.inverse_variance);
   const double largest = most(x.m0) * most(y.m0) + most(x.m2) * most(y.m0) + most(x.m0) * most(y.m2);
-  return least_eigenvalue_bound(least(x.m0) * least(y.m0), mu2, sxx * syy, sxx + syy) >=
-         kLeastCondition * largest;
+  const double of_s = sxx * syy / (sxx + syy);  // no more than S's least eigenvalue
+  const double needed = 2 * (1 + mu2) * kLeastCondition * largest;
+  return least(x.m0) * least(y.m0) >= needed && of_s >= needed;
 }
 
 /// How many points are missing in any rectangle: a summed-area table, made only if a point is missing.
@@ -98,10 +58,13 @@ class Holes {
   explicit Holes(const HeightField& surface) : missing_(missing_count(surface)) {
     if (missing_ == 0) return;
     sums_ = Grid<std::int32_t>::Zero(surface.rows() + 1, surface.cols() + 1);
-    for (Eigen::Index j = 0; j < surface.rows(); ++j)
-      for (Eigen::Index i = 0; i < surface.cols(); ++i)
-        sums_(j + 1, i + 1) =
-            sums_(j, i + 1) + sums_(j + 1, i) - sums_(j, i) + (is_missing(surface.z(j, i)) ? 1 : 0);
+    for (Eigen::Index j = 0; j < surface.rows(); ++j) {
+      std::int32_t in_row = 0;
+      for (Eigen::Index i = 0; i < surface.cols(); ++i) {
+        in_row += is_missing(surface.z(j, i));
+        sums_(j + 1, i + 1) = sums_(j, i + 1) + in_row;
+      }
+    }
   }
   bool any() const { return missing_ > 0; }
   /// Is a point missing in rows [j0, j1) × columns [i0, i1), clipped to the surface?
@@ -124,172 +87,176 @@ std::size_t longest_radius(std::size_t n) {
   return std::max<std::size_t>(n, 2) - 1;
 }
 
+/// The passes and fits of one strip of columns. Its row passes are kept for the strip alone, so that the
+/// column passes find them in the processor's cache.
+struct FilteredStrip {
+  Strip z_g, z_gx;         // heights filtered along x with g and x·g
+  Strip m_g, m_gx, m_gxx;  // the mask; of no rows where no point in reach is missing
+};
+
 class LocalPlanes {
  public:
   LocalPlanes(const HeightField& surface, double sigma)
       : surface_(surface),
         sigma_(sigma),
-        rows_(static_cast<std::size_t>(surface.rows())),
-        cols_(static_cast<std::size_t>(surface.cols())),
-        taps_x_(surface.dx, sigma, longest_radius(cols_)),
-        taps_y_(surface.dy, sigma, longest_radius(rows_)),
-        profile_x_(cols_, taps_x_),
-        profile_y_(rows_, taps_y_),
+        taps_x_(surface.dx, sigma, longest_radius(static_cast<std::size_t>(surface.cols()))),
+        taps_y_(surface.dy, sigma, longest_radius(static_cast<std::size_t>(surface.rows()))),
+        profile_x_(static_cast<std::size_t>(surface.cols()), taps_x_),
+        profile_y_(static_cast<std::size_t>(surface.rows()), taps_y_),
         borders_fit_(borders_well_conditioned(profile_x_, profile_y_)),
-        holes_(surface),
-        z_g_(rows_, cols_),
-        z_gx_(rows_, cols_) {
-    if (!holes_.any()) return;
-    m_g_.emplace(rows_, cols_);
-    m_gx_.emplace(rows_, cols_);
-    m_gxx_.emplace(rows_, cols_);
-  }
+        holes_(surface) {}
 
   SlopeField fit() {
-    parallel_blocks(rows(), 16, [&](std::int64_t begin, std::int64_t end) { filter_rows(begin, end); });
-    slopes_.zx.resize(surface_.rows(), surface_.cols());
-    slopes_.zy.resize(surface_.rows(), surface_.cols());
+    slopes_.zx.resize(rows(), cols());
+    slopes_.zy.resize(rows(), cols());
     std::atomic<Eigen::Index> without_normal = 0;
-    parallel_for(static_cast<std::int64_t>(z_g_.tiles()), [&](std::int64_t tile) {
-      Eigen::Index without = 0;
-      for (std::size_t row = 0; row < rows_; row += kBlockRows)
-        without += fit_block(static_cast<std::size_t>(tile), row);
-      without_normal += without;
-    });
+    const std::int64_t strips = (cols() + kColumns - 1) / kColumns;
+    parallel_for(strips, [&](std::int64_t strip) { without_normal += fit_strip(strip * kColumns); });
     slopes_.without_normal = without_normal;
     return std::move(slopes_);
   }
 
  private:
+  static constexpr auto kColumns = static_cast<std::ptrdiff_t>(kStripColumns);
+
   std::ptrdiff_t rows() const { return surface_.rows(); }
   std::ptrdiff_t cols() const { return surface_.cols(); }
   std::ptrdiff_t radius_x() const { return static_cast<std::ptrdiff_t>(taps_x_.radius()); }
   std::ptrdiff_t radius_y() const { return static_cast<std::ptrdiff_t>(taps_y_.radius()); }
 
-  /// Row passes: heights always; the mask only where a missing point is in reach, its known profile
-  /// elsewhere.
-  void filter_rows(std::int64_t begin, std::int64_t end) {
-    std::vector<double> heights = padded_row(cols_, taps_x_.radius());
-    std::vector<double> mask = holes_.any() ? heights : std::vector<double>();
-    TiledRows* const z_out[] = {&z_g_, &z_gx_};
-    for (std::int64_t j = begin; j < end; ++j) {
-      const auto row = static_cast<std::size_t>(j);
-      const float* z = &surface_.z(j, 0);
-      double* centre = heights.data() + taps_x_.radius();
-      for (std::size_t i = 0; i < cols_; ++i)
-        centre[i] = is_missing(z[i]) ? 0.0 : static_cast<double>(z[i]);
-      pass_along_row(heights.data(), taps_x_, row, 0, z_g_.tiles(), 2, z_out);
-      if (!holes_.any()) continue;
-      double* present = mask.data() + taps_x_.radius();
-      for (std::size_t i = 0; i < cols_; ++i)
-        present[i] = is_missing(z[i]) ? 0.0 : 1.0;
-      TiledRows* const m_out[] = {&*m_g_, &*m_gx_, &*m_gxx_};
-      for (std::size_t tile = 0; tile < z_g_.tiles(); ++tile) {
-        const auto i0 = static_cast<std::ptrdiff_t>(tile * kTileColumns);
-        const auto i1 = i0 + static_cast<std::ptrdiff_t>(kTileColumns);
-        if (holes_.within(j, j + 1, i0 - radius_x(), i1 + radius_x())) {
-          pass_along_row(mask.data(), taps_x_, row, tile, tile + 1, 3, m_out);
-        } else {
-          const std::size_t first = tile * kTileColumns, last = std::min(first + kTileColumns, cols_);
-          const auto copy = [&](const std::vector<double>& profile, TiledRows& out) {
-            std::copy(profile.begin() + static_cast<std::ptrdiff_t>(first),
-                      profile.begin() + static_cast<std::ptrdiff_t>(last), out.at(tile, row));
-          };
-          copy(profile_x_.m0, *m_g_);
-          copy(profile_x_.m1, *m_gx_);
-          copy(profile_x_.m2, *m_gxx_);
-        }
-      }
-    }
+  /// Fits the columns from i0 on; returns how many present points got no normal.
+  Eigen::Index fit_strip(std::ptrdiff_t i0) {
+    const FilteredStrip strip = filter_rows(i0);
+    Eigen::Index without = 0;
+    for (std::ptrdiff_t row = 0; row < rows(); row += static_cast<std::ptrdiff_t>(kBlockRows))
+      without += fit_block(strip, row, i0);
+    return without;
   }
 
-  /// Column passes and fits of kBlockRows rows of one tile; returns how many present points got no normal.
-  Eigen::Index fit_block(std::size_t tile, std::size_t row) {
-    const auto j0 = static_cast<std::ptrdiff_t>(row), i0 = static_cast<std::ptrdiff_t>(tile * kTileColumns);
+  /// Row passes: heights always; the mask only where a missing point is in reach of the strip.
+  FilteredStrip filter_rows(std::ptrdiff_t i0) const {
+    const auto n = static_cast<std::size_t>(rows());
+    const bool masked = holes_.within(0, rows(), i0 - radius_x(), i0 + kColumns + radius_x());
+    const std::size_t n_masked = masked ? n : 0;
+    FilteredStrip strip{Strip(n), Strip(n), Strip(n_masked), Strip(n_masked), Strip(n_masked)};
+    const std::ptrdiff_t left = i0 - radius_x(), begin = std::max<std::ptrdiff_t>(0, left),
+                         end = std::min(cols(), i0 + kColumns + radius_x());
+    std::vector<double> heights(static_cast<std::size_t>(kColumns + 2 * radius_x()));
+    std::vector<std::size_t> missing, present;
+    for (std::ptrdiff_t j = 0; j < rows(); ++j) {
+      const float* z = &surface_.z(j, 0);
+      for (std::ptrdiff_t i = begin; i < end; ++i)
+        heights[static_cast<std::size_t>(i - left)] = is_missing(z[i]) ? 0.0 : static_cast<double>(z[i]);
+      const auto row = static_cast<std::size_t>(j);
+      pass_along_row(heights.data(), taps_x_, {strip.z_g.at(row), strip.z_gx.at(row)});
+      if (!masked) continue;
+      missing.clear();
+      present.clear();
+      for (std::ptrdiff_t i = begin; i < end; ++i)
+        (is_missing(z[i]) ? missing : present).push_back(static_cast<std::size_t>(i - left));
+      filter_mask(missing, present, i0, {strip.m_g.at(row), strip.m_gx.at(row), strip.m_gxx.at(row)});
+    }
+    return strip;
+  }
+
+  /// The mask's row pass: the few points that are there, or the whole row's known profile without the few
+  /// that are not.
+  void filter_mask(const std::vector<std::size_t>& missing, const std::vector<std::size_t>& present,
+                   std::ptrdiff_t i0, double* const (&out)[3]) const {
+    const bool few_missing = missing.size() < present.size();
+    const std::vector<double>* const profile[] = {&profile_x_.m0, &profile_x_.m1, &profile_x_.m2};
+    const std::ptrdiff_t i1 = std::min(i0 + kColumns, cols());
+    for (std::size_t m = 0; m < 3; ++m) {
+      std::fill_n(out[m], kStripColumns, 0.0);
+      if (few_missing) std::copy(profile[m]->data() + i0, profile[m]->data() + i1, out[m]);
+    }
+    add_along_row(few_missing ? missing : present, few_missing ? -1 : 1, taps_x_, out);
+  }
+
+  /// Column passes and fits of kBlockRows rows of a strip; returns how many present points got no normal.
+  Eigen::Index fit_block(const FilteredStrip& strip, std::ptrdiff_t j0, std::ptrdiff_t i0) {
     const std::ptrdiff_t j1 = std::min(j0 + static_cast<std::ptrdiff_t>(kBlockRows), rows());
-    const std::ptrdiff_t i1 = std::min(i0 + static_cast<std::ptrdiff_t>(kTileColumns), cols());
+    const std::ptrdiff_t i1 = std::min(i0 + kColumns, cols());
+    const auto row = static_cast<std::size_t>(j0);
     const bool hole = holes_.within(j0 - radius_y(), j1 + radius_y(), i0 - radius_x(), i1 + radius_x());
     const bool inside =
         j0 >= radius_y() && j1 + radius_y() <= rows() && i0 >= radius_x() && i1 + radius_x() <= cols();
 
-    TileBlock z[2], zx;  // z[0] = ⟨z⟩, z[1] = ⟨yz⟩
-    pass_across_rows(z_gx_, taps_y_, tile, row, 0, 1, &zx);
+    BlockMoments moments;
+    pass_across_rows(strip.z_gx, taps_y_, row, 0, 1, &moments.zx);
     if (inside && !hole) {
-      pass_across_rows(z_g_, taps_y_, tile, row, 1, 1, &z[1]);
+      pass_across_rows(strip.z_g, taps_y_, row, 1, 1, &moments.z[1]);
       const double x_scale = 1 / (sigma_ * profile_x_.m2[static_cast<std::size_t>(i0)] * profile_y_.m0[row]);
       const double y_scale = 1 / (sigma_ * profile_x_.m0[static_cast<std::size_t>(i0)] * profile_y_.m2[row]);
       for (std::ptrdiff_t j = j0; j < j1; ++j)
         for (std::ptrdiff_t i = i0; i < i1; ++i) {
-          slopes_.zx(j, i) = zx[j - j0][i - i0] * x_scale;
-          slopes_.zy(j, i) = z[1][j - j0][i - i0] * y_scale;
+          slopes_.zx(j, i) = moments.zx[j - j0][i - i0] * x_scale;
+          slopes_.zy(j, i) = moments.z[1][j - j0][i - i0] * y_scale;
         }
       return 0;
     }
-    pass_across_rows(z_g_, taps_y_, tile, row, 0, 2, z);
+    pass_across_rows(strip.z_g, taps_y_, row, 0, 2, moments.z);
 
-    TileBlock m[3], mx[2], mxx;  // ⟨1⟩, ⟨y⟩, ⟨y²⟩; ⟨x⟩, ⟨xy⟩; ⟨x²⟩
-    if (hole) {
-      pass_across_rows(*m_g_, taps_y_, tile, row, 0, 3, m);
-      pass_across_rows(*m_gx_, taps_y_, tile, row, 0, 2, mx);
-      pass_across_rows(*m_gxx_, taps_y_, tile, row, 0, 1, &mxx);
-    }
     // A border cuts the window to a rectangle: its moments are products, x and y decouple.
     if (!hole && borders_fit_) {
       for (std::ptrdiff_t j = j0; j < j1; ++j)
         for (std::ptrdiff_t i = i0; i < i1; ++i) {
           const auto r = static_cast<std::size_t>(j - j0), c = static_cast<std::size_t>(i - i0);
           const auto px = static_cast<std::size_t>(i), py = static_cast<std::size_t>(j);
-          const double along = zx[r][c] - z[0][r][c] * profile_x_.mean[px];
-          const double across = z[1][r][c] - z[0][r][c] * profile_y_.mean[py];
+          const double along = moments.zx[r][c] - moments.z[0][r][c] * profile_x_.mean[px];
+          const double across = moments.z[1][r][c] - moments.z[0][r][c] * profile_y_.mean[py];
           slopes_.zx(j, i) = along * profile_x_.inverse_variance[px] / (profile_y_.m0[py] * sigma_);
           slopes_.zy(j, i) = across * profile_y_.inverse_variance[py] / (profile_x_.m0[px] * sigma_);
         }
       return 0;
     }
+    if (hole) {
+      pass_across_rows(strip.m_g, taps_y_, row, 0, 3, moments.m);
+      pass_across_rows(strip.m_gx, taps_y_, row, 0, 2, moments.mx);
+      pass_across_rows(strip.m_gxx, taps_y_, row, 0, 1, &moments.mxx);
+    } else {
+      for (std::ptrdiff_t j = j0; j < j1; ++j)
+        for (std::ptrdiff_t i = i0; i < i1; ++i)
+          set_border_moments(moments, static_cast<std::size_t>(j - j0), static_cast<std::size_t>(i - i0),
+                             static_cast<std::size_t>(j), static_cast<std::size_t>(i));
+    }
+    return put_fits(moments, j0, j1, i0, i1);
+  }
+
+  /// Writes the slopes of a block's points [j0, j1) × [i0, i1); returns how many of those present have none.
+  Eigen::Index put_fits(const BlockMoments& moments, std::ptrdiff_t j0, std::ptrdiff_t j1, std::ptrdiff_t i0,
+                        std::ptrdiff_t i1) {
+    const BlockFits fits = fit_planes(moments);
+    const double per_sigma = 1 / sigma_;
     Eigen::Index without = 0;
     for (std::ptrdiff_t j = j0; j < j1; ++j)
       for (std::ptrdiff_t i = i0; i < i1; ++i) {
-        if (is_missing(surface_.z(j, i))) {
-          slopes_.zx(j, i) = slopes_.zy(j, i) = kNaN;
-          continue;
-        }
         const auto r = static_cast<std::size_t>(j - j0), c = static_cast<std::size_t>(i - i0);
-        Moments w =
-            hole ? Moments{m[0][r][c], mx[0][r][c], m[1][r][c], mxx[r][c], mx[1][r][c], m[2][r][c], 0, 0, 0}
-                 : border_moments(static_cast<std::size_t>(j), static_cast<std::size_t>(i));
-        w.z = z[0][r][c];
-        w.zx = zx[r][c];
-        w.zy = z[1][r][c];
-        const Slopes slopes = fit_plane(w);
-        slopes_.zx(j, i) = slopes.x / sigma_;
-        slopes_.zy(j, i) = slopes.y / sigma_;
-        if (std::isnan(slopes.x)) ++without;
+        const bool there = !is_missing(surface_.z(j, i));
+        const bool fitted = there && (fits.margin[r][c] > 0 || well_conditioned(moments, r, c));
+        slopes_.zx(j, i) = fitted ? fits.zx[r][c] * per_sigma : kNaN;
+        slopes_.zy(j, i) = fitted ? fits.zy[r][c] * per_sigma : kNaN;
+        without += there && !fitted;
       }
     return without;
   }
 
-  Moments border_moments(std::size_t j, std::size_t i) const {
+  void set_border_moments(BlockMoments& w, std::size_t r, std::size_t c, std::size_t j, std::size_t i) const {
     const Profile &x = profile_x_, &y = profile_y_;
-    return {x.m0[i] * y.m0[j],
-            x.m1[i] * y.m0[j],
-            x.m0[i] * y.m1[j],
-            x.m2[i] * y.m0[j],
-            x.m1[i] * y.m1[j],
-            x.m0[i] * y.m2[j],
-            0,
-            0,
-            0};
+    w.m[0][r][c] = x.m0[i] * y.m0[j];
+    w.m[1][r][c] = x.m0[i] * y.m1[j];
+    w.m[2][r][c] = x.m0[i] * y.m2[j];
+    w.mx[0][r][c] = x.m1[i] * y.m0[j];
+    w.mx[1][r][c] = x.m1[i] * y.m1[j];
+    w.mxx[r][c] = x.m2[i] * y.m0[j];
   }
 
   const HeightField& surface_;
   double sigma_;
-  std::size_t rows_, cols_;
   GaussianTaps taps_x_, taps_y_;
   Profile profile_x_, profile_y_;
   bool borders_fit_;
   Holes holes_;
-  TiledRows z_g_, z_gx_;                         // heights filtered along x with g and x·g
-  std::optional<TiledRows> m_g_, m_gx_, m_gxx_;  // the mask with g, x·g and x²·g
   SlopeField slopes_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "height/height_field.h"
+#include "ndf/plane_fits.h"
 
 namespace micro {
 
@@ -26,9 +27,6 @@ struct SlopeField {
 /// Exact to rounding but for the window's cut-off at 7σ (GaussianTaps::kReach).
 /// sigma in µm. Throws InputError if σ is below half the pitch: the fit would see its own point alone.
 SlopeField local_planes(const HeightField& surface, double sigma);
-
-/// Least reciprocal condition (2-norm) of a fit that is trusted.
-constexpr double kLeastCondition = 1e-9;
 
 /// Throws InputError, with the reason, unless σ (µm) is at least half the pitch.
 void require_resolved(double sigma, const HeightField& surface);

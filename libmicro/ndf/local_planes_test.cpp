@@ -120,6 +120,20 @@ TEST(LocalPlanes, ASingleRowHasNoNormals) {
   EXPECT_TRUE(slopes.zx.isNaN().all());
 }
 
+// One point far off a row of points determines a plane barely here and not at all there.
+TEST(LocalPlanes, AgreeWithTheLiteralFitOnWhichPointsHaveANormal) {
+  HeightField surface = random_surface(30, 60, 0.1, 0.1, 0, 11);
+  const float far = surface.z(23, 30);
+  const Eigen::ArrayXf row = surface.z.row(10);
+  surface.z = kMissing;
+  surface.z.row(10) = row;
+  surface.z(23, 30) = far;
+  const Eigen::Index without = local_planes(surface, 0.2).without_normal;
+  EXPECT_GT(without, 10);
+  EXPECT_LT(without, 59);
+  expect_literal(surface, 0.2);
+}
+
 TEST(LocalPlanes, APlaneGivesItsOwnSlopes) {
   Grid<double> z(50, 60);
   for (int j = 0; j < 50; ++j)
