@@ -58,9 +58,7 @@ BrdfModel waves(const ResultModelRequest& request, const std::vector<NdfTable>& 
   }
   const Tabulated normals = masking_normals(request, densities.back());
   const Tabulated& drawn = densities[densities.size() / 2];
-  const auto density = [spectrum = SpectrumDensity(lambda_q, densities), n = request.medium](const Vec3& q) {
-    return spectrum(n * q);
-  };
+  const SpectrumDensity density(lambda_q, densities, request.medium);
   const std::string description = request.distribution +
                                   (request.masking == Masking::Smith ? ", Smith's G, " : ", without G, ") +
                                   request.path.string();

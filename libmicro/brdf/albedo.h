@@ -25,13 +25,22 @@ Vec2 random_point(std::uint64_t k);
 /// doubled until two standard errors of the mean are below `tolerance` (absolute). The error says what was
 /// reached: above the tolerance if four million draws were not enough. cost.evaluations counts draws.
 template <Brdf Model>
-Estimate<double> albedo(const Model& model, const Vec3& wi, double lambda_um, double tolerance) {
+Estimate<double> sampled_albedo(const Model& model, const Vec3& wi, double lambda_um, double tolerance) {
   return detail::mean_weight(
       [&](const Vec2& xi) {
         const auto drawn = model.sample(wi, lambda_um, xi);
         return drawn ? drawn->f * drawn->wo.z() / drawn->pdf : 0;
       },
       tolerance);
+}
+
+/// The same by the model's own integral where it has one, `model.albedo(…)`, whose cost counts evaluations.
+template <Brdf Model>
+Estimate<double> albedo(const Model& model, const Vec3& wi, double lambda_um, double tolerance) {
+  if constexpr (requires { model.albedo(wi, lambda_um, tolerance); })
+    return model.albedo(wi, lambda_um, tolerance);
+  else
+    return sampled_albedo(model, wi, lambda_um, tolerance);
 }
 
 /// Albedos that ask whether a model makes energy: of light from all round, none must be above one.

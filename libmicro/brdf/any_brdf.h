@@ -3,6 +3,7 @@
 #include <memory>
 #include <utility>
 
+#include "brdf/albedo.h"
 #include "brdf/brdf.h"
 
 namespace micro {
@@ -21,6 +22,9 @@ class AnyBrdf {
   double pdf(const Vec3& wi, const Vec3& wo, double lambda_um) const {
     return model_->pdf(wi, wo, lambda_um);
   }
+  Estimate<double> albedo(const Vec3& wi, double lambda_um, double tolerance) const {
+    return model_->albedo(wi, lambda_um, tolerance);
+  }
 
  private:
   struct Interface {
@@ -28,6 +32,7 @@ class AnyBrdf {
     virtual double f(const Vec3& wi, const Vec3& wo, double lambda_um) const = 0;
     virtual std::optional<BrdfSample> sample(const Vec3& wi, double lambda_um, const Vec2& xi) const = 0;
     virtual double pdf(const Vec3& wi, const Vec3& wo, double lambda_um) const = 0;
+    virtual Estimate<double> albedo(const Vec3& wi, double lambda_um, double tolerance) const = 0;
   };
   template <typename Model>
   struct Holder final : Interface {
@@ -40,6 +45,9 @@ class AnyBrdf {
     }
     double pdf(const Vec3& wi, const Vec3& wo, double lambda_um) const override {
       return model.pdf(wi, wo, lambda_um);
+    }
+    Estimate<double> albedo(const Vec3& wi, double lambda_um, double tolerance) const override {
+      return micro::albedo(model, wi, lambda_um, tolerance);
     }
     Model model;
   };

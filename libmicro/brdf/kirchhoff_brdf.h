@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -7,7 +8,9 @@
 #include <vector>
 
 #include "brdf/microfacet.h"
+#include "core/estimate.h"
 #include "distribution/density_volume.h"
+#include "distribution/table_integral.h"
 #include "distribution/tabulated.h"
 
 namespace micro {
@@ -45,17 +48,32 @@ class VolumeDensity {
   std::shared_ptr<const DensityVolume> volume_;
 };
 
-/// D_K from tables at several λ_q, linear in |q| between them; beyond the first and last as those are.
+/// D_K from tables at several λ_q, linear in |q| between them; beyond the first and last as those are. In a
+/// medium of index n the light that is λ long in vacuum is λ/n long: q there is n times what is given.
 class SpectrumDensity {
  public:
   /// λ_q in µm, ascending, a table for each. Throws InputError.
-  SpectrumDensity(std::vector<double> lambda_q_um, std::vector<Tabulated> tables);
+  SpectrumDensity(std::vector<double> lambda_q_um, const std::vector<Tabulated>& tables, double medium = 1);
 
   double operator()(const Vec3& q) const;
 
+  /// ∫ D(q(h)) g(h) h_z dω over the half vectors h of what comes from wi, q = (4π/λ)(wi·h)h, to the absolute
+  /// tolerance: exact in the tables' speckle, see TableIntegral.
+  Estimate<double> over_half_vectors(const Vec3& wi, double lambda_um,
+                                     const std::function<double(const Vec3& h)>& g, double tolerance) const;
+
  private:
+  /// The table at or below a λ_q, and the share of the next one.
+  struct Place {
+    std::size_t table;
+    double next;
+  };
+  Place place_of(double lambda_q_um) const;
+
   std::vector<double> lambda_q_;
   std::vector<Tabulated> tables_;
+  std::vector<TableIntegral> integrals_;
+  double medium_;
 };
 
 /// How much of each microfacet is taken as masked and shadowed: Smith's of the given normals, or nothing.
@@ -104,6 +122,24 @@ class KirchhoffBrdf {
   double pdf(const Vec3& wi, const Vec3& wo, double lambda_um) const {
     if (!(wi.z() > 0 && wo.z() > 0)) return 0;
     return kCosineShare * wo.z() * std::numbers::inv_pi + (1 - kCosineShare) * lobe_.pdf(wi, wo, lambda_um);
+  }
+
+  /// ∫ f cosθ_o dω_o, dω_o being 4(wi·h)dω_h, over the tables where there are any: draws have to meet their
+  /// speckle one by one.
+  Estimate<double> albedo(const Vec3& wi, double lambda_um, double tolerance) const requires
+      requires(const Density& d, const std::function<double(const Vec3&)>& g) {
+    d.over_half_vectors(wi, lambda_um, g, tolerance);
+  }
+  {
+    if (!(wi.z() > 0)) return {0, 0, {}};
+    const double seen_from_light = seen(wi);
+    const auto g = [&](const Vec3& h) {
+      const double cosine = wi.dot(h);
+      const Vec3 wo = mirrored(wi, h);
+      if (!(cosine > 0 && wo.z() > 0)) return 0.;
+      return seen_from_light * seen(wo) * wo.z() * fresnel_(cosine, lambda_um) * cosine / h.z();
+    };
+    return density_.over_half_vectors(wi, lambda_um, g, tolerance);
   }
 
  private:

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "brdf/albedo.h"
+#include "brdf/any_brdf.h"
 #include "core/error.h"
 #include "core/random.h"
 #include "distribution/beckmann.h"
@@ -118,6 +119,44 @@ TEST(SpectrumDensities, LieBetweenTheirTables) {
   EXPECT_NEAR(at(2), wide.D(m), 1e-12);
   EXPECT_THROW(SpectrumDensity({0.8, 0.4}, {narrow, wide}), InputError);
   EXPECT_THROW(SpectrumDensity({}, {}), InputError);
+}
+
+/// Two speckled tables of lobes 0.2 wide: nodes between a tenth and twice the lobe's value.
+SpectrumDensity speckled_spectrum(double medium) {
+  std::vector<Tabulated> tables;
+  for (const std::uint32_t stream : {0u, 1u}) {
+    DiskTable table = tabulate(Beckmann({{0, 0}, 0.2, 0, 0.2}), {129, 1});
+    for (Eigen::Index k = 0; k < table.density.size(); ++k)
+      table.density.data()[k] *= 0.1 + 1.9 * random_uniform(3, stream, static_cast<std::uint64_t>(k))[0];
+    tables.emplace_back(table);
+  }
+  return SpectrumDensity({0.4, 0.8}, tables, medium);
+}
+
+TEST(KirchhoffBrdfs, AlbedoOverTheTablesIsThatOfDraws) {
+  constexpr double kTolerance = 2e-3;
+  const Beckmann normals({{0, 0}, 0.2, 0, 0.2});
+  for (const Masking masking : {Masking::Smith, Masking::None}) {
+    const KirchhoffBrdf wave(speckled_spectrum(1), normals, masking, Fresnel(std::complex(0.3, 3.)));
+    for (const double theta : {0., 0.9, 1.5}) {
+      const Vec3 wi = direction(theta, 1);
+      const Estimate<double> tables = albedo(wave, wi, kLambda, kTolerance);
+      const Estimate<double> draws = sampled_albedo(wave, wi, kLambda, kTolerance);
+      EXPECT_LE(tables.error, kTolerance);
+      EXPECT_NEAR(tables.value, draws.value, kTolerance + 2 * draws.error) << theta;
+      EXPECT_EQ(albedo(AnyBrdf(wave), wi, kLambda, kTolerance).value, tables.value);
+    }
+  }
+}
+
+/// Light in glass is shorter: it sees the tables of 0.55 µm where that of 0.55·1.5 µm comes into it.
+TEST(KirchhoffBrdfs, MediumShortensTheLight) {
+  const Beckmann normals({{0, 0}, 0.2, 0, 0.2});
+  const KirchhoffBrdf air(speckled_spectrum(1), normals, Masking::Smith),
+      glass(speckled_spectrum(1.5), normals, Masking::Smith);
+  const Vec3 wi = direction(0.5, 0), wo = direction(0.45, 3);
+  EXPECT_NEAR(glass.f(wi, wo, 1.5 * kLambda) / air.f(wi, wo, kLambda), 1, kRounding);
+  EXPECT_NEAR(albedo(glass, wi, 1.5 * kLambda, 1e-3).value, albedo(air, wi, kLambda, 1e-3).value, 1e-9);
 }
 
 }  // namespace
