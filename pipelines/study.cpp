@@ -39,13 +39,15 @@ StudyRow row_of(NdfOfScans ndf) {
   return row;
 }
 
-/// Holds every row against the row named `reference`.
+/// Holds every row against the row named `reference`; without one there is nothing to hold.
 void compare(Study& study) {
   const auto reference = std::find_if(study.rows.begin(), study.rows.end(), [&](const StudyRow& row) {
     return row.ndf.method.name == study.reference;
   });
-  if (reference == study.rows.end())
-    throw InputError("the scans give no NDF '" + study.reference + "' to compare with");
+  if (reference == study.rows.end()) {
+    study.rows.clear();
+    return;
+  }
   // Seen as the paper's gonioreflectometer would [§7]: bins of a few normals differ by chance alone.
   const Signature signature = gaussian_signature(kSignature);
   const DiskTable seen = convolve(reference->ndf.density, signature);
@@ -61,21 +63,31 @@ Study study_sigma(const ScanListing& listing, const NdfRequest& request, const s
   const bool has_default = std::find(sigmas.begin(), sigmas.end(), 1.) != sigmas.end();
   Study study{.title = "Sensitivity to the window's sigma",
               .reference = filtered_name(has_default ? 1. : sigmas.front()),
-              .rows = {}};
+              .rows = {},
+              .scans = {},
+              .left_out = {}};
   NdfRequest all = request;
   all.methods = {{"naive", Naive{}}};
   for (const double sigma : sigmas)
     all.methods.push_back({filtered_name(sigma), Filtered{sigma}});
-  for (NdfOfScans& ndf : ndf_of_scans(listing, on_common_grid(listing, all, report), report).ndfs)
+  NdfResult result = ndf_of_scans(listing, on_common_grid(listing, all, report), report);
+  for (NdfOfScans& ndf : result.ndfs)
     study.rows.push_back(row_of(std::move(ndf)));
+  study.scans = std::move(result.scans);
+  for (const Stage& stage : result.plan)
+    if (stage.outcome == Stage::Outcome::LeftOut && stage.name.ends_with(" NDF"))
+      study.left_out.push_back(stage);
   compare(study);
   return study;
 }
 
 Study study_filters(const ScanListing& listing, const NdfRequest& request,
                     const std::function<void(const Progress&)>& report) {
-  Study study{
-      .title = "Outlier rejection and hole filling", .reference = "filtered, as measured", .rows = {}};
+  Study study{.title = "Outlier rejection and hole filling",
+              .reference = "filtered, as measured",
+              .rows = {},
+              .scans = {},
+              .left_out = {}};
   NdfRequest plain = request;
   plain.methods = {{"filtered", Filtered{}}};
   plain = on_common_grid(listing, plain, report);
@@ -101,6 +113,7 @@ Study study_filters(const ScanListing& listing, const NdfRequest& request,
       }
       study.rows.push_back(std::move(row));
     }
+    study.scans = std::move(result.scans);
   }
   compare(study);
   return study;
@@ -132,7 +145,11 @@ std::string to_json(const Study& study) {
                     {"rejected", row.rejected},
                     {"filled", row.filled},
                     {"seconds", row.ndf.seconds}});
-  return nlohmann::json{{"title", study.title}, {"reference", study.reference}, {"rows", rows}}.dump(1);
+  return nlohmann::json{{"title", study.title},
+                        {"reference", study.reference},
+                        {"rows", rows},
+                        {"left_out", nlohmann::json::parse(to_json(study.left_out))}}
+      .dump(1);
 }
 
 std::string to_csv(const Study& study) {

@@ -18,7 +18,9 @@ struct StudyRow {
 /// An experiment of the paper on the user's own scans.
 struct Study {
   std::string title, reference;
-  std::vector<StudyRow> rows;
+  std::vector<StudyRow> rows;     ///< none if no scan gave the reference
+  std::vector<ScanRecord> scans;  ///< in the order of the listing
+  Plan left_out;                  ///< normal distributions that no scan gave, and why
 };
 
 /// Sensitivity of the filtered NDF to the window's σ, and the naive NDF beside it [Dong15 §5.1, Fig. 5]; the

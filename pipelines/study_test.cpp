@@ -7,6 +7,7 @@
 
 #include "height/gaussian_surface.h"
 #include "height/make_holes.h"
+#include "io/atomic_file.h"
 #include "io/zygo_dat.h"
 #include "pipelines/result_file.h"
 #include "testing/temporary_folder.h"
@@ -49,6 +50,29 @@ TEST_F(StudyTest, FiltersReportWhatTheyChanged) {
   EXPECT_GT(study.rows[3].filled, study.rows[2].filled);
   EXPECT_EQ(study.rows[0].difference, 0);
   EXPECT_TRUE(std::isfinite(study.rows[3].difference));
+}
+
+TEST_F(StudyTest, ScansThatFailAreNamed) {
+  write_text_file(folder_.path() / "torn.dat", std::string("\x88\x1B\x03\x6F\0\1 and no more", 18));
+  for (const Study& study : {study_sigma(listing(), request_, {1}, [](const Progress&) {}),
+                             study_filters(listing(), request_, [](const Progress&) {})}) {
+    ASSERT_EQ(study.scans.size(), 2u);
+    EXPECT_FALSE(study.scans[0].failure);
+    EXPECT_EQ(study.scans[1].source, "torn.dat");
+    EXPECT_TRUE(study.scans[1].failure);
+  }
+}
+
+TEST_F(StudyTest, ASigmaThatThePitchDoesNotResolveIsLeftOutWithItsReason) {
+  const Study study = study_sigma(listing(), request_, {0.05, 1}, [](const Progress&) {});
+  EXPECT_EQ(study.rows.size(), 2u);
+  ASSERT_EQ(study.left_out.size(), 1u);
+  EXPECT_EQ(study.left_out[0].name, "filtered_0.05um NDF");
+  EXPECT_NE(study.left_out[0].reason.find("below half the pitch"), std::string::npos);
+}
+
+TEST_F(StudyTest, WithoutItsReferenceNothingIsCompared) {
+  EXPECT_TRUE(study_sigma(list_scans({"nowhere"}), request_, {1}, [](const Progress&) {}).rows.empty());
 }
 
 /// The same density on all of a disk of that radius.

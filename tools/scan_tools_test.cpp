@@ -51,6 +51,26 @@ TEST_F(ScanTools, SynthMakesEveryKindInEveryFormat) {
     }
 }
 
+TEST_F(ScanTools, StudiesNameTheScansThatFail) {
+  std::filesystem::create_directory(file("scans"));
+  const std::string whole = file("scans/a.dat"), torn = file("scans/torn.dat");
+  ASSERT_EQ(run("synth gaussian --tau 1" + std::string(kSmall) + "-o " + whole).code, 0);
+  std::filesystem::copy_file(whole, torn);
+  std::filesystem::resize_file(torn, 1000);
+  for (const char* study : {"sigma --sigma 1", "filters"}) {
+    const std::string arguments = std::string("study ") + study + " -o " + file("study") + " ";
+    const Outcome some = run(arguments + "--json " + file("scans"));
+    EXPECT_EQ(some.code, 1) << some.err;
+    EXPECT_NE(some.err.find("torn.dat"), std::string::npos) << some.err;
+    const auto summary = nlohmann::json::parse(some.out);
+    EXPECT_EQ(summary["failed"].at(0)["source"], "torn.dat");
+    EXPECT_FALSE(summary["rows"].empty());
+    const Outcome none = run(arguments + file("nowhere.dat"));
+    EXPECT_EQ(none.code, 3) << none.err;
+    EXPECT_NE(none.err.find("nowhere.dat: does not exist"), std::string::npos) << none.err;
+  }
+}
+
 TEST_F(ScanTools, SynthTakesOnlyWhatAppliesToItsKind) {
   for (const char* wrong :
        {"gaussian --depth 1um", "plane --periodic", "step --rms 1um", "sinusoid --tau 1um",

@@ -7,6 +7,7 @@
 #include "pipelines/output_lock.h"
 #include "pipelines/result_file.h"
 #include "tools/commands.h"
+#include "tools/json_output.h"
 #include "tools/listing_output.h"
 #include "tools/ndf_options.h"
 #include "tools/units.h"
@@ -22,7 +23,20 @@ struct Options {
 };
 
 /// Leaves study.csv, study.md and contact_sheet.png in the output folder and the table on stdout.
-int conclude(const Study& study, const Options& options) {
+int conclude(const Study& study, const ScanListing& listing, const Options& options) {
+  const nlohmann::json failed = report_failed(study.scans);
+  for (const Stage& stage : study.left_out)
+    std::fprintf(stderr, "microbrdf: %s: %s\n", stage.name.c_str(), stage.reason.c_str());
+  if (options.common.json) {
+    nlohmann::json summary = nlohmann::json::parse(to_json(study));
+    summary["failed"] = failed;
+    summary["skipped"] = skipped_json(listing);
+    print_json(summary);
+  }
+  if (study.rows.empty()) {
+    std::fprintf(stderr, "microbrdf: no scan gave the NDF '%s' to compare with\n", study.reference.c_str());
+    return kNothing;
+  }
   const std::filesystem::path output = options.output;
   const OutputLock lock(output);
   write_text_file(output / "study.csv", to_csv(study));
@@ -31,8 +45,11 @@ int conclude(const Study& study, const Options& options) {
   for (const StudyRow& row : study.rows)
     ndfs.push_back(row.ndf);
   write_png(output / "contact_sheet.png", comparison_sheet(ndfs));
-  std::printf("%s\n", options.common.json ? to_json(study).c_str() : to_markdown(study).c_str());
-  return kDone;
+  if (!options.common.json) {
+    std::printf("%s\n", to_markdown(study).c_str());
+    print_skipped(listing);
+  }
+  return failed.empty() ? kDone : kSomeFailed;
 }
 
 std::shared_ptr<Options> add_study_options(CLI::App& app, const char* example) {
@@ -86,16 +103,15 @@ Run add_study(CLI::App& app) {
     if (waves->parsed()) return run_waves();
     if (shadowing->parsed()) return run_shadowing();
     if (coat->parsed()) return run_coat();
-    if (filters->parsed())
-      return conclude(study_filters(listing_of(*filter_options), make_request(filter_options->ndf, {}),
-                                    progress_line(filter_options->common)),
-                      *filter_options);
-    const std::vector<double>& asked = sigma_options->ndf.sigmas;
+    const Options& options = filters->parsed() ? *filter_options : *sigma_options;
+    const ScanListing listing = listing_of(options);
+    const NdfRequest request = make_request(options.ndf, {});
+    const auto progress = progress_line(options.common);
+    if (filters->parsed()) return conclude(study_filters(listing, request, progress), listing, options);
+    const std::vector<double>& asked = options.ndf.sigmas;
     const std::vector<double> sigmas =
         asked.empty() ? std::vector<double>{0.25, 0.5, 0.75, 1, 1.25, 1.5, 2} : asked;
-    return conclude(study_sigma(listing_of(*sigma_options), make_request(sigma_options->ndf, {}), sigmas,
-                                progress_line(sigma_options->common)),
-                    *sigma_options);
+    return conclude(study_sigma(listing, request, sigmas, progress), listing, options);
   };
 }
 

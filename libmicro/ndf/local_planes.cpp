@@ -66,7 +66,6 @@ class Holes {
       }
     }
   }
-  bool any() const { return missing_ > 0; }
   /// Is a point missing in rows [j0, j1) × columns [i0, i1), clipped to the surface?
   bool within(std::ptrdiff_t j0, std::ptrdiff_t j1, std::ptrdiff_t i0, std::ptrdiff_t i1) const {
     if (missing_ == 0) return false;
