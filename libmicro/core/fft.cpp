@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "core/large_pages.h"
+
 namespace micro {
 
 namespace detail {
@@ -16,6 +18,7 @@ namespace detail {
 void* fft_allocate(std::size_t bytes) {
   void* p = fftw_malloc(bytes > 0 ? bytes : 1);
   if (p == nullptr) throw std::bad_alloc();
+  prefer_large_pages(p, bytes);
   return p;
 }
 
@@ -118,8 +121,8 @@ template <typename Real>
 ComplexFft<Real>::ComplexFft(const FftShape& shape, FftDirection direction, FftPlanning planning)
     : shape_(shape) {
   const Layout layout(shape);
-  FftVector<std::complex<Real>> buffer(static_cast<std::size_t>(shape.size()));
-  auto* data = as_fftw(buffer.data());
+  const auto buffer = make_fft_array<std::complex<Real>>(shape.size());
+  auto* data = as_fftw(buffer.get());
   const int sign = direction == FftDirection::Forward ? FFTW_FORWARD : FFTW_BACKWARD;
   std::unique_lock lock(planner_mutex());
   auto plan = Fftw<Real>::plan_complex(layout.rank, layout.n, layout.batch, data, nullptr, 1, layout.distance,
@@ -136,15 +139,15 @@ void ComplexFft<Real>::operator()(std::complex<Real>* data) const {
 template <typename Real>
 RealFft<Real>::RealFft(const FftShape& shape, FftPlanning planning) : shape_(shape) {
   const Layout layout(shape);
-  FftVector<Real> real(static_cast<std::size_t>(shape.size()));
-  FftVector<std::complex<Real>> half(static_cast<std::size_t>(shape.half_size()));
+  const auto real = make_fft_array<Real>(shape.size());
+  const auto half = make_fft_array<std::complex<Real>>(shape.half_size());
   std::unique_lock lock(planner_mutex());
   auto forward =
-      Fftw<Real>::plan_forward(layout.rank, layout.n, layout.batch, real.data(), nullptr, 1, layout.distance,
-                               as_fftw(half.data()), nullptr, 1, layout.half_distance, flags(planning));
-  auto backward = Fftw<Real>::plan_backward(layout.rank, layout.n, layout.batch, as_fftw(half.data()),
-                                            nullptr, 1, layout.half_distance, real.data(), nullptr, 1,
-                                            layout.distance, flags(planning));
+      Fftw<Real>::plan_forward(layout.rank, layout.n, layout.batch, real.get(), nullptr, 1, layout.distance,
+                               as_fftw(half.get()), nullptr, 1, layout.half_distance, flags(planning));
+  auto backward = Fftw<Real>::plan_backward(layout.rank, layout.n, layout.batch, as_fftw(half.get()), nullptr,
+                                            1, layout.half_distance, real.get(), nullptr, 1, layout.distance,
+                                            flags(planning));
   lock.unlock();
   forward_ = own<Real>(forward);
   backward_ = own<Real>(backward);

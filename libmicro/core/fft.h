@@ -4,13 +4,18 @@
 #include <cstdint>
 #include <memory>
 #include <new>
+#include <type_traits>
 #include <vector>
 
 namespace micro {
 
 namespace detail {
+/// In large pages where they are worth it.
 void* fft_allocate(std::size_t bytes);
 void fft_free(void* p) noexcept;
+struct FftFree {
+  void operator()(void* p) const noexcept { fft_free(p); }
+};
 }  // namespace detail
 
 /// Memory aligned as the transforms below want it.
@@ -30,6 +35,15 @@ struct FftAllocator {
 
 template <typename T>
 using FftVector = std::vector<T, FftAllocator<T>>;
+
+/// The same for numbers that are written before they are read: nobody sets them to zero first.
+template <typename T>
+using FftArray = std::unique_ptr<T[], detail::FftFree>;
+template <typename T>
+FftArray<T> make_fft_array(std::int64_t n) {
+  static_assert(std::is_trivially_destructible_v<T>);
+  return FftArray<T>(FftAllocator<T>().allocate(static_cast<std::size_t>(n)));
+}
 
 /// Whether a buffer is as well aligned as FftVector's are.
 template <typename Real>

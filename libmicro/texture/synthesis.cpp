@@ -5,6 +5,7 @@
 #include <numbers>
 #include <optional>
 
+#include "core/large_pages.h"
 #include "core/parallel.h"
 #include "core/random.h"
 
@@ -71,7 +72,7 @@ Number mixed_number(const Eigen::Matrix<float, 5, 5>& mixing, std::size_t c,
   return sum;
 }
 
-using Spectra = std::array<FftVector<Complex>, kChannels>;
+using Spectra = std::array<FftArray<Complex>, kChannels>;
 
 /// Row j of every component's half spectrum: amplitude times random phase. `mirror` is the row whose
 /// conjugate this one's first (and, for even cols, last) number must be for the field to be real.
@@ -198,9 +199,8 @@ TextureField synthesise(const TextureModel& model, const TextureSize& size, std:
   const RealFft<float> transform({size.rows, size.cols, 1});
   const Amplitudes amplitudes(model, size.rows, size.cols);
   Spectra spectra;
-  parallel_for(kChannels, [&](std::int64_t k) {  // memory is slow to come
-    spectra[static_cast<std::size_t>(k)].resize(static_cast<std::size_t>(transform.shape().half_size()));
-  });
+  for (auto& spectrum : spectra)
+    spectrum = make_fft_array<Complex>(transform.shape().half_size());
   parallel_blocks(size.rows, kRowsPerBlock, [&](std::int64_t begin, std::int64_t end) {
     for (Eigen::Index j = begin; j < end; ++j)
       fill_row(spectra, amplitudes, model, seed, j, size);
@@ -209,14 +209,15 @@ TextureField synthesise(const TextureModel& model, const TextureSize& size, std:
   parallel_for(kChannels, [&](std::int64_t k) {
     const auto m = static_cast<std::size_t>(k);
     field[m].resize(size.rows, size.cols);
+    prefer_large_pages(field[m].data(), sizeof(float) * static_cast<std::size_t>(field[m].size()));
     if (is_fft_aligned(field[m].data())) {
-      transform.backward(spectra[m].data(), field[m].data());
+      transform.backward(spectra[m].get(), field[m].data());
     } else {
-      FftVector<float> values(static_cast<std::size_t>(size.rows * size.cols));
-      transform.backward(spectra[m].data(), values.data());
-      std::copy(values.begin(), values.end(), field[m].data());
+      const auto values = make_fft_array<float>(field[m].size());
+      transform.backward(spectra[m].get(), values.get());
+      std::copy_n(values.get(), field[m].size(), field[m].data());
     }
-    spectra[m] = {};
+    spectra[m].reset();
     finish_channel(field[m], model.mixed_phases() ? scale_to(model.variance[m], field[m]) : 1, model.mean[m]);
   });
   return field;
@@ -238,21 +239,24 @@ TextureField synthesise_part(const TextureModel& model, const TextureSize& size,
   parallel_for(kChannels, [&](std::int64_t k) {
     const auto m = static_cast<std::size_t>(k);
     if (noise[m].empty()) return;
-    drawn[m].resize(static_cast<std::size_t>(transform.shape().half_size()));
-    transform.forward(noise[m].data(), drawn[m].data());
+    drawn[m] = make_fft_array<Complex>(transform.shape().half_size());
+    transform.forward(noise[m].data(), drawn[m].get());
   });
   TextureField field;
   parallel_for(kChannels, [&](std::int64_t k) {
     const auto m = static_cast<std::size_t>(k);
-    FftVector<Complex> spectrum = drawn[common ? 0 : m];
+    const auto& noises = drawn[common ? 0 : m];
+    const auto spectrum = make_fft_array<Complex>(transform.shape().half_size());
     const Eigen::Index half = cols / 2 + 1;
     for (Eigen::Index j = 0; j < rows; ++j)
-      for (Eigen::Index i = 0; i < half; ++i)
-        spectrum[static_cast<std::size_t>(j * half + i)] *= amplitudes.at(m, j, i) * unit;
-    FftVector<float> values(static_cast<std::size_t>(rows * cols));
-    transform.backward(spectrum.data(), values.data());
+      for (Eigen::Index i = 0; i < half; ++i) {
+        const auto place = static_cast<std::size_t>(j * half + i);
+        spectrum[place] = noises[place] * (amplitudes.at(m, j, i) * unit);
+      }
+    const auto values = make_fft_array<float>(transform.shape().size());
+    transform.backward(spectrum.get(), values.get());
     field[m] =
-        Eigen::Map<const Grid<float>>(values.data(), rows, cols).block(margin, margin, part.rows, part.cols);
+        Eigen::Map<const Grid<float>>(values.get(), rows, cols).block(margin, margin, part.rows, part.cols);
     finish_channel(field[m], 1, model.mean[m]);
   });
   return field;
