@@ -49,7 +49,7 @@ void require_one_pitch(const ScanListing& listing, const NdfRequest& request) {
         else
           pitches.add(look.dx, look.dy, source);
       });
-  if (pitches.mixed()) throw MixedPitches(pitches, std::move(failed));
+  if (pitches.mixed()) throw MixedPitches(pitches, std::move(failed), " (--mixed takes them together)");
 }
 
 /// Sums that nothing has been added to.
@@ -95,7 +95,7 @@ void require_one_pitch(const std::vector<ScanRecord>& scans) {
       failed.push_back({scan.source, *scan.failure});
     else
       pitches.add(scan.dx, scan.dy, scan.source);
-  if (pitches.mixed()) throw MixedPitches(pitches, std::move(failed));
+  if (pitches.mixed()) throw MixedPitches(pitches, std::move(failed), " (--mixed takes them together)");
 }
 
 /// Keeps a run's sums in its checkpoint, as often as a fifth of the time allows.

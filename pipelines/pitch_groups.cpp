@@ -17,11 +17,10 @@ std::string pitch_of(const PitchGroup& group) {
   return text.str();
 }
 
-std::string describe(const std::vector<PitchGroup>& groups) {
+std::string describe(const std::vector<PitchGroup>& groups, std::string_view remedy) {
   constexpr std::size_t kNamed = 20;
   std::ostringstream text;
-  text << "the scans have " << groups.size()
-       << " different pitches and are no one dataset (--mixed takes them together):";
+  text << "the scans have " << groups.size() << " different pitches and are no one dataset" << remedy << ":";
   for (const PitchGroup& group : groups) {
     text << (&group == &groups.front() ? " " : "; ") << pitch_of(group) << ": ";
     const std::size_t named = std::min(kNamed, group.sources.size());
@@ -44,8 +43,8 @@ void PitchGroups::add(double dx, double dy, const std::string& source) {
   groups_.push_back({dx, dy, {source}});
 }
 
-MixedPitches::MixedPitches(const PitchGroups& groups, std::vector<FailedScan> failed)
-    : InputError(describe(groups.groups())), failed_(std::move(failed)) {
+MixedPitches::MixedPitches(const PitchGroups& groups, std::vector<FailedScan> failed, std::string_view remedy)
+    : InputError(describe(groups.groups(), remedy)), failed_(std::move(failed)) {
   for (const PitchGroup& group : groups.groups())
     for (const std::string& source : group.sources)
       failed_.push_back({source, "its pitch of " + pitch_of(group) + " is not that of the other scans"});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/error.h"
@@ -33,8 +34,9 @@ struct FailedScan {
 /// people read on.
 class MixedPitches : public InputError {
  public:
-  /// `failed`: scans that could not be read at all.
-  MixedPitches(const PitchGroups& groups, std::vector<FailedScan> failed);
+  /// `failed`: scans that could not be read at all. `remedy`: what takes them together all the same, in
+  /// brackets.
+  MixedPitches(const PitchGroups& groups, std::vector<FailedScan> failed, std::string_view remedy = "");
   /// Every scan and why it is not used, those that could not be read first.
   const std::vector<FailedScan>& failed() const { return failed_; }
 

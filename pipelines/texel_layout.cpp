@@ -9,6 +9,8 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
+#include <sstream>
 #include <utility>
 #include <variant>
 
@@ -16,6 +18,7 @@
 #include "core/parallel.h"
 #include "io/scan.h"
 #include "pipelines/name_pattern.h"
+#include "pipelines/plan.h"
 
 namespace micro {
 namespace {
@@ -85,15 +88,25 @@ std::map<std::string, Place> read_manifest(const std::filesystem::path& path) {
   return known;
 }
 
-Places places_by_manifest(const ScanListing& listing, const std::filesystem::path& path) {
+/// The places of scans by a manifest. Its lines for other scans leave gaps, which is said.
+TexelLayout layout_by_manifest(const ScanListing& listing, const std::filesystem::path& path) {
   const std::map<std::string, Place> known = read_manifest(path);
-  Places places;
+  TexelLayout layout;
+  std::set<std::string> unused;
+  for (const auto& line : known)
+    unused.insert(line.first);
   for (const ListedScan& scan : listing.scans) {
     const auto found = known.find(listed_source(scan.source));
     if (found == known.end()) throw FileError(path, "has no line for " + scan.source);
-    places.push_back(found->second);
+    layout.places.push_back(found->second);
+    unused.erase(found->first);
   }
-  return places;
+  layout.how = "by the manifest";
+  if (!unused.empty())
+    layout.how += ", of which " + counted(static_cast<std::int64_t>(unused.size()), "line") +
+                  (unused.size() == 1 ? " is of no scan here: " : " are of no scan here, the first: ") +
+                  *unused.begin();
+  return layout;
 }
 
 bool is_digit(char c) {
@@ -140,6 +153,12 @@ Places places_in_order(const ScanListing& listing) {
   return places;
 }
 
+std::string in_micrometres(double length) {
+  std::ostringstream text;
+  text << length << " µm";
+  return text.str();
+}
+
 /// The numbers of columns (or rows) that positions along an axis, µm, lie in. Those within half a scan are
 /// one column; columns are whole steps of the smallest one apart, to an eighth of it.
 std::vector<Eigen::Index> columns_of(const std::vector<double>& positions, double scan, const char* axis) {
@@ -156,7 +175,7 @@ std::vector<Eigen::Index> columns_of(const std::vector<double>& positions, doubl
       const double steps = gap / step;
       if (std::abs(steps - std::round(steps)) > 0.125 || steps > 1e8)
         throw InputError("stage positions along " + std::string(axis) + " form no grid: steps of " +
-                         std::to_string(step) + " and " + std::to_string(gap) + " µm");
+                         in_micrometres(step) + " and " + in_micrometres(gap));
       column += std::lround(steps);
     }
     columns[sorted[k]] = column;
@@ -204,17 +223,24 @@ TexelLayout layout_by_stage(const ScanListing& listing) {
   return layout;
 }
 
+constexpr Eigen::Index kFarthest = 1'000'000'000;  // rows or columns
+
 }  // namespace
 
+void require_few_texels(Eigen::Index rows, Eigen::Index cols) {
+  constexpr Eigen::Index kMost = 4'000'000;
+  if (rows > kMost / cols)
+    throw InputError("the layout spans " + std::to_string(rows) + " x " + std::to_string(cols) +
+                     " texels, gaps counted, more than 4 million");
+}
+
 TexelLayout lay_out(const ScanListing& listing, const LayoutRule& rule) {
-  constexpr Eigen::Index kMost = 100'000'000;
   TexelLayout layout;
   if (const auto* by_name = std::get_if<ByName>(&rule)) {
     layout.places = places_by_name(listing, by_name->pattern);
     layout.how = "by names, " + by_name->pattern;
   } else if (const auto* manifest = std::get_if<Manifest>(&rule)) {
-    layout.places = places_by_manifest(listing, manifest->path);
-    layout.how = "by the manifest";
+    layout = layout_by_manifest(listing, manifest->path);
   } else if (std::holds_alternative<ByStage>(rule)) {
     layout = layout_by_stage(listing);
   } else {
@@ -222,10 +248,12 @@ TexelLayout lay_out(const ScanListing& listing, const LayoutRule& rule) {
     layout.how = "one strip along x, in the order of names, numbers in them counting as numbers";
   }
   if (layout.places.empty()) return layout;
-  constexpr Eigen::Index kEnd = std::numeric_limits<Eigen::Index>::max();
-  Place least = {kEnd, kEnd}, most = {0, 0};
-  for (const auto& place : layout.places) {
+  Place least = {kFarthest, kFarthest}, most = {-kFarthest, -kFarthest};
+  for (std::size_t k = 0; k < layout.places.size(); ++k) {
+    const auto& place = layout.places[k];
     if (!place) continue;
+    if (std::max({place->row, place->col, -1 - place->row, -1 - place->col}) >= kFarthest)
+      throw InputError(listing.scans[k].source + ": lies in a row or column beyond 10^9");
     least = {std::min(least.row, place->row), std::min(least.col, place->col)};
     most = {std::max(most.row, place->row), std::max(most.col, place->col)};
   }
@@ -240,7 +268,7 @@ TexelLayout lay_out(const ScanListing& listing, const LayoutRule& rule) {
   }
   layout.rows = most.row - least.row + 1;
   layout.cols = most.col - least.col + 1;
-  if (layout.rows > kMost / layout.cols) throw InputError("the layout spans more than 10^8 places");
+  require_few_texels(layout.rows, layout.cols);
   return layout;
 }
 

@@ -28,6 +28,9 @@ struct Manifest {
 struct ByStage {};
 using LayoutRule = std::variant<InOrder, ByName, Manifest, ByStage>;
 
+/// Throws InputError if a grid has more texels, gaps counted, than memory is there for: 4 million.
+void require_few_texels(Eigen::Index rows, Eigen::Index cols);
+
 /// Where each scan of a listing lies: rows run along y, columns along x; gaps are allowed.
 struct TexelLayout {
   struct Place {
@@ -40,8 +43,8 @@ struct TexelLayout {
 };
 
 /// Throws InputError (FileError for the manifest's own faults) if a scan has no place, two have the same, the
-/// grid would have more than 10⁸ places, or stage coordinates form none. By stage, a scan whose header
-/// does not say where it lies has no place; it throws FileError if that is so for all.
+/// grid would have more places than require_few_texels allows, or stage coordinates form none. By stage, a
+/// scan whose header does not say where it lies has no place; it throws FileError if that is so for all.
 TexelLayout lay_out(const ScanListing& listing, const LayoutRule& rule);
 
 }  // namespace micro

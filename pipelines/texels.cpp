@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "core/error.h"
 #include "core/estimate.h"
@@ -18,9 +19,12 @@ struct ScanTexels {
   SurfaceTexels cut;
 };
 
-/// Points of a block `length` µm long.
+/// Points of a block `length` µm long. Throws InputError if it holds none.
 Eigen::Index points_of(double length, double pitch) {
-  return std::max<Eigen::Index>(1, std::lround(length / pitch));
+  const double points = std::round(length / pitch);
+  if (!(points >= 1)) throw InputError("its points are too far apart for texels so small");
+  // What no scan is as long as needs no count.
+  return static_cast<Eigen::Index>(std::min(points, 1e15));
 }
 
 ScanTexels cut_scan(const ListedScan& scan, const TexelRequest& request) {
@@ -63,7 +67,6 @@ std::vector<Eigen::Index> begins_of(const std::vector<ScanTexels>& cuts, Eigen::
 /// column of the layout hold more: a strip across beside one along, strips of unequal length.
 void assemble(Texels& texels, std::vector<ScanTexels>& cuts, const TexelLayout& layout,
               const TexelRequest& request) {
-  constexpr Eigen::Index kMost = 100'000'000;
   const auto first =
       std::find_if(cuts.begin(), cuts.end(), [](const ScanTexels& c) { return !c.record.failure; });
   if (first == cuts.end()) return;
@@ -80,7 +83,7 @@ void assemble(Texels& texels, std::vector<ScanTexels>& cuts, const TexelLayout& 
       [](const SurfaceTexels& cut) { return cut.cols; });
   texels.rows = row_begins.back();
   texels.cols = col_begins.back();
-  if (texels.rows > kMost / texels.cols) throw InputError("the layout spans more than 10^8 texels");
+  require_few_texels(texels.rows, texels.cols);
   const auto count = static_cast<std::size_t>(texels.rows * texels.cols);
   texels.texels.resize(count);
   texels.states.assign(count, TexelState::Gap);
@@ -117,6 +120,21 @@ void remove_common_tilt(Texels& texels) {
   }
 }
 
+/// What a plan says of whole scans that are not all of one size; nothing where they are.
+std::string unequal_sizes(const Texels& texels, const TexelRequest& request) {
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (const ScanRecord& scan : texels.scans) {
+    if (scan.failure) continue;
+    const double area = static_cast<double>(scan.rows * scan.cols) * scan.dx * scan.dy;
+    least = std::min(least, area);
+    most = std::max(most, area);
+  }
+  constexpr double kAlike = 1.05;
+  if (request.block || most <= kAlike * least) return "";
+  return ", of unequal size, " + std::to_string(std::lround(least)) + " to " +
+         std::to_string(std::lround(most)) + " square µm (--texel cuts them alike)";
+}
+
 void plan_texels(Texels& texels, const TexelLayout& layout, const TexelRequest& request) {
   const auto read = std::count_if(texels.scans.begin(), texels.scans.end(),
                                   [](const ScanRecord& scan) { return !scan.failure; });
@@ -134,7 +152,7 @@ void plan_texels(Texels& texels, const TexelLayout& layout, const TexelRequest& 
                                           " converged, " + counted(places - texels.count(), "gap") +
                                           ", about " +
                                           std::to_string(std::lround(independent / static_cast<double>(n))) +
-                                          " independent normals each"));
+                                          " independent normals each" + unequal_sizes(texels, request)));
   const bool removed = request.tilt == TexelRequest::Tilt::RemoveCommon;
   texels.plan.push_back(stage_if(removed, "common tilt",
                                  removed ? "slope " + std::to_string(texels.tilt.x()) + ", " +

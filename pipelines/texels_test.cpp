@@ -49,6 +49,7 @@ TEST(TexelLayout, ReadsNamesAndManifests) {
   const TexelLayout listed = lay_out(listing_of({"c.dat", "a,b.dat"}), Manifest{path});
   EXPECT_EQ(listed.cols, 3);
   EXPECT_EQ(listed.places[0]->col, 2);
+  EXPECT_EQ(listed.how, "by the manifest, of which 1 line is of no scan here: unused.dat");
   EXPECT_THROW(lay_out(listing_of({"z.dat"}), Manifest{path}), FileError);
   // As spreadsheets and shells write it.
   std::ofstream(path) << "\xef\xbb\xbfsource, row, col\r\n./c.dat , 1, -1\r\n\"sub/a,b.dat\",0,4";
@@ -130,6 +131,12 @@ TEST(TexelLayout, RefusesWhatMakesNoSense) {
     std::ofstream(path) << text;
     EXPECT_THROW(lay_out(listing_of({"a.dat"}), Manifest{path}), FileError) << text;
   }
+  // Beyond what differences of places can hold, and what memory could.
+  for (const char* text : {"a,-9223372036854775808,0\nb,9223372036854775807,0", "a,0,0\nb,0,1000000000",
+                           "a,0,-1000000001\nb,0,0", "a,0,0\nb,9999,9999"}) {
+    std::ofstream(path) << text;
+    EXPECT_THROW(lay_out(listing_of({"a", "b"}), Manifest{path}), InputError) << text;
+  }
 }
 
 TEST(TexelsOfSurface, AreTheBlocksOfTheWholeSurfacesNormals) {
@@ -202,6 +209,29 @@ TEST_F(TexelsOfScans, LeaveGapsAndNameWhatFails) {
   ASSERT_EQ(parameters.size(), 3U * 2 * 5);
   EXPECT_FLOAT_EQ(parameters[0], static_cast<float>(found.texels[0].fit.parameters.alpha_x));
   EXPECT_TRUE(std::isnan(parameters[5]));
+}
+
+TEST_F(TexelsOfScans, SayWhereTheyAreOfUnequalSize) {
+  scan("a.dat", rough(80, 60, 1));
+  scan("b.dat", rough(80, 59, 2));
+  const auto stage = [](const Texels& texels, const std::string& name) {
+    const auto found =
+        std::find_if(texels.plan.begin(), texels.plan.end(), [&](const Stage& s) { return s.name == name; });
+    return found == texels.plan.end() ? "" : found->reason;
+  };
+  EXPECT_EQ(stage(texels({}), "texels").find("unequal"), std::string::npos);
+  scan("c.dat", rough(40, 60, 3));
+  EXPECT_NE(stage(texels({}), "texels").find("of unequal size, 150 to 300 square µm"), std::string::npos)
+      << stage(texels({}), "texels");
+}
+
+TEST_F(TexelsOfScans, FailWhereATexelHoldsNoPoint) {
+  scan("a.dat", rough(40, 40, 1));
+  TexelRequest request;
+  request.block = Vec2(10, 0.1);
+  const Texels found = texels(request);
+  ASSERT_TRUE(found.scans[0].failure);
+  EXPECT_NE(found.scans[0].failure->find("too far apart"), std::string::npos);
 }
 
 TEST_F(TexelsOfScans, FormACrossOfStrips) {
