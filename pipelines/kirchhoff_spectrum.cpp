@@ -314,15 +314,14 @@ void merge(SpectrumSums& sums, const SpectrumSums& more) {
   sums.looked_at += more.looked_at;
 }
 
-void add_spectra(SpectrumSums& sums, const ScanListing& listing, const Preparation& preparation,
-                 const SpectrumRequest& request, const std::function<bool(std::size_t)>& wanted,
+void add_spectra(SpectrumSums& sums, std::size_t scans, const SpectrumRequest& request,
+                 const std::function<std::optional<HeightField>(std::size_t)>& surface_of,
                  const std::function<void(std::size_t, const std::string&)>& after) {
   std::vector<WavelengthGroup> groups;  // made when the first scan wants them
-  const auto add = [&](const ListedScan& listed) {
+  const auto add = [&](const HeightField& surface) {
     SpectrumOfScans& all = *sums.spectrum;
     const Stopwatch watch;
     if (groups.empty()) groups = make_groups(all.mean.grid(), request, all.lambda_q);
-    const HeightField surface = prepare_scan(listed.path, preparation).surface;
     const ScanSpectrum scan = spectrum_of(surface, groups, all.lambda_q.size());
     all.mean.add(scan.tables, scan.area);
     for (std::size_t n = 0; n < all.lambda_q.size(); ++n) {
@@ -334,12 +333,13 @@ void add_spectra(SpectrumSums& sums, const ScanListing& listing, const Preparati
     if (sums.dependence) sums.dependence->add(scan.tables, scan.area);
     all.seconds += watch.seconds();
   };
-  for (auto k = static_cast<std::size_t>(sums.looked_at); k < listing.scans.size(); ++k) {
+  for (auto k = static_cast<std::size_t>(sums.looked_at); k < scans; ++k) {
     ++sums.looked_at;
-    if (!wanted(k)) continue;
+    const std::optional<HeightField> surface = surface_of(k);
+    if (!surface) continue;
     std::string refusal = sums.unfit;
     if (sums.spectrum) try {
-        add(listing.scans[k]);
+        add(*surface);
       } catch (const InputError& error) {
         refusal = error.what();
       }

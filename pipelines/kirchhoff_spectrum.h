@@ -70,12 +70,12 @@ bool add_up(const SpectrumSums& a, const SpectrumSums& b);
 /// Adds what another shard's sums hold. Throws InputError if they do not add up.
 void merge(SpectrumSums& sums, const SpectrumSums& more);
 
-/// Adds the tables of every scan that was not looked at yet and that `wanted` says yes to, weighted by
-/// projected area. One scan at a time, on all threads: a spectrum's tables are large. Calls after(k, refusal)
-/// with each scan's place in the listing and the reason why it was refused, or an empty one; what it throws
-/// goes through.
-void add_spectra(SpectrumSums& sums, const ScanListing& listing, const Preparation& preparation,
-                 const SpectrumRequest& request, const std::function<bool(std::size_t)>& wanted,
+/// Adds the tables of every scan from the first that was not looked at yet to number `scans`, weighted by
+/// projected area, or passes it over if there is no surface_of(k). One scan at a time, on all threads: a
+/// spectrum's tables are large. Calls after(k, refusal) with the reason why a scan was refused, or an empty
+/// one; what it throws goes through.
+void add_spectra(SpectrumSums& sums, std::size_t scans, const SpectrumRequest& request,
+                 const std::function<std::optional<HeightField>(std::size_t)>& surface_of,
                  const std::function<void(std::size_t, const std::string&)>& after);
 
 /// What was done, and how weakly D_K depends on the wavelength on these scans: whether one would have done.

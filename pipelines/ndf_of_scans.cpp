@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 #include "core/estimate.h"
 #include "core/parallel.h"
-#include "io/sha256.h"
 #include "pipelines/finish_sums.h"
 #include "pipelines/ndf_grids.h"
 #include "pipelines/pitch_groups.h"
@@ -165,16 +166,21 @@ void gather(const ScanListing& listing, const NdfRequest& request, const Estimat
       });
 }
 
-/// Whether a file holds what it held when it was looked at; if not, that is the record's failure.
-bool is_as_before(const std::filesystem::path& path, ScanRecord& record) {
+/// The surface of a scan that is part of the result, read once more; nothing, and a failure, if its file is
+/// no longer the one that was looked at.
+std::optional<HeightField> surface_again(const std::filesystem::path& path, const Preparation& preparation,
+                                         ScanRecord& record) {
+  if (record.failure) return std::nullopt;
   try {
-    if (sha256_of_file(path) == record.sha256) return true;
+    ScanRecord again;
+    PreparedScan prepared = hash_and_prepare(path, preparation, again);
+    if (again.sha256 == record.sha256) return std::move(prepared.surface);
   } catch (const FileError&) {
-    // It is gone, or cannot be read any more.
+    // It is gone, cannot be read any more, or changes at this moment.
   }
   record.failure = "changed between two readings: the spectrum leaves it out, other tables hold what it was";
   record.sha256.clear();  // so that a checkpoint does not take it for looked at
-  return false;
+  return std::nullopt;
 }
 
 /// Then the spectrum, of the scans that had no failure. `listing` is that of all shards.
@@ -185,8 +191,8 @@ void gather_spectrum(const ScanListing& listing, const ScanListing& own, const N
   if (!sums.spectrum || !add_up(*sums.spectrum, start)) sums.spectrum = std::move(start);
   const auto total = static_cast<std::int64_t>(own.scans.size());
   add_spectra(
-      *sums.spectrum, own, request.prepare, *request.spectrum,
-      [&](std::size_t k) { return !sums.scans[k].failure && is_as_before(own.scans[k].path, sums.scans[k]); },
+      *sums.spectrum, own.scans.size(), *request.spectrum,
+      [&](std::size_t k) { return surface_again(own.scans[k].path, request.prepare, sums.scans[k]); },
       [&](std::size_t k, const std::string& refusal) {
         if (!refusal.empty() && request.unfit == NdfRequest::Unfit::Fail) sums.scans[k].failure = refusal;
         steps.after(static_cast<std::int64_t>(k) + 1, total, sums);

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <fstream>
+#include <optional>
+#include <string>
+#include <thread>
 
 #include "core/archive.h"
 #include "core/error.h"
@@ -185,6 +190,48 @@ TEST_F(RunSumsOfScans, AScanThatChangesBeforeTheSpectrumIsNamed) {
     EXPECT_EQ(result.spectrum->mean.count(), before.spectrum->mean.count() - 1);
     EXPECT_TRUE((result.ndfs[0].density.density == before.ndfs[0].density.density).all());
   }
+}
+
+/// Writes what stands there to a file, over and over: it always has the same hash, and is always being
+/// changed.
+class WritesTheSame {
+ public:
+  explicit WritesTheSame(const fs::path& path)
+      : thread_([this, path] {
+          auto time = fs::last_write_time(path);
+          while (!enough_) {
+            fs::last_write_time(path, time += std::chrono::seconds(1));
+            std::this_thread::yield();
+          }
+        }) {}
+  ~WritesTheSame() {
+    enough_ = true;
+    thread_.join();
+  }
+  WritesTheSame(const WritesTheSame&) = delete;
+  WritesTheSame& operator=(const WritesTheSame&) = delete;
+
+ private:
+  std::atomic<bool> enough_ = false;
+  std::thread thread_;
+};
+
+TEST_F(RunSumsOfScans, AScanThatChangesBetweenTheSpectrumsTwoReadingsIsNamed) {
+  constexpr int kMostRuns = 1000;  // one may fall between two of the writer's turns
+  write(5, gaussian_surface({200, 200, 0.2, 0.2}, {.rms = 0.2, .tau_x = 1.5, .tau_y = 1.5}, 5));
+  NdfRequest what = request();
+  what.methods.resize(1);
+  what.directions.reset();
+  what.spectrum->lambda_q = std::vector<double>{0.5};
+  std::string failure;
+  for (int run = 0; run < kMostRuns && failure.empty(); ++run) {
+    std::optional<WritesTheSame> writer;
+    const NdfResult result = ndf_of_scans(list_scans({scan(5)}), what, [&](const Progress& progress) {
+      if (progress.done == progress.total && !writer) writer.emplace(scan(5));  // the spectrum comes
+    });
+    failure = result.scans[0].failure.value_or("");
+  }
+  EXPECT_NE(failure.find("changed between two readings"), std::string::npos) << failure;
 }
 
 TEST_F(RunSumsOfScans, ACheckpointThatWasCutIsWorthNothing) {

@@ -3,34 +3,9 @@
 #include "core/error.h"
 #include "height/statistics.h"
 #include "height/triangles.h"
-#include "io/file_stamp.h"
-#include "io/sha256.h"
 #include "pipelines/thumbnail.h"
 
 namespace micro {
-
-namespace {
-
-/// Hash and heights come from two reads: they are of one file only if it was left alone meanwhile.
-PreparedScan hash_and_prepare(const ListedScan& scan, const Preparation& preparation, ScanRecord& record) {
-  const FileStamp before = stamp_of(scan.path);
-  record.sha256 = sha256_of_file(scan.path);
-  const auto require_unchanged = [&] {
-    if (stamp_of(scan.path) == before) return;
-    record.sha256.clear();  // so that a checkpoint does not take it for looked at
-    throw FileError(scan.path, "changed while it was read");
-  };
-  try {
-    PreparedScan prepared = prepare_scan(scan.path, preparation);
-    require_unchanged();
-    return prepared;
-  } catch (const FileError&) {
-    require_unchanged();  // which is why it could not be read
-    throw;
-  }
-}
-
-}  // namespace
 
 ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Estimators& estimators,
                     Thumbnail thumbnail) {
@@ -40,7 +15,7 @@ ScanOutcome look_at(const ListedScan& scan, const NdfRequest& request, const Est
   outcome.ndfs.resize(request.methods.size());
   outcome.refusals.resize(request.methods.size());
   try {
-    const PreparedScan prepared = hash_and_prepare(scan, request.prepare, record);
+    const PreparedScan prepared = hash_and_prepare(scan.path, request.prepare, record);
     const HeightField& surface = prepared.surface;
     describe(record, prepared);
     if (request.statistics == NdfRequest::Statistics::Compute) {

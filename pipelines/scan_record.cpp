@@ -5,6 +5,8 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "io/file_stamp.h"
+#include "io/sha256.h"
 
 namespace micro {
 namespace {
@@ -36,6 +38,25 @@ void write_scan(Hdf5Writer& file, const std::string& group, const ScanRecord& sc
 }
 
 }  // namespace
+
+PreparedScan hash_and_prepare(const std::filesystem::path& path, const Preparation& preparation,
+                              ScanRecord& record) {
+  const FileStamp before = stamp_of(path);
+  record.sha256 = sha256_of_file(path);
+  const auto require_unchanged = [&] {
+    if (stamp_of(path) == before) return;
+    record.sha256.clear();  // so that a checkpoint does not take it for looked at
+    throw FileError(path, "changed while it was read");
+  };
+  try {
+    PreparedScan prepared = prepare_scan(path, preparation);
+    require_unchanged();
+    return prepared;
+  } catch (const FileError&) {
+    require_unchanged();  // which is why it could not be read
+    throw;
+  }
+}
 
 void describe(ScanRecord& record, const PreparedScan& prepared) {
   const HeightField& surface = prepared.surface;

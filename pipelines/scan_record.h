@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,11 @@ struct ScanRecord {
   std::optional<double> Sdq;              ///< after levelling
   std::optional<std::string> failure;     ///< why it is not part of the result; does not repeat its name
 };
+
+/// prepare_scan, and the file's hash in the record, which come from two reads: they are of one file only if
+/// it was left alone meanwhile, else it is a FileError, and the record has no hash.
+PreparedScan hash_and_prepare(const std::filesystem::path& path, const Preparation& preparation,
+                              ScanRecord& record);
 
 /// Notes what a prepared scan says of itself.
 void describe(ScanRecord& record, const PreparedScan& prepared);

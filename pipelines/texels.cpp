@@ -8,7 +8,6 @@
 #include "core/error.h"
 #include "core/estimate.h"
 #include "core/parallel.h"
-#include "io/sha256.h"
 #include "pipelines/pitch_groups.h"
 
 namespace micro {
@@ -31,8 +30,7 @@ ScanTexels cut_scan(const ListedScan& scan, const TexelRequest& request) {
   ScanTexels outcome;
   outcome.record.source = scan.source;
   try {
-    outcome.record.sha256 = sha256_of_file(scan.path);
-    const PreparedScan prepared = prepare_scan(scan.path, request.prepare);
+    const PreparedScan prepared = hash_and_prepare(scan.path, request.prepare, outcome.record);
     describe(outcome.record, prepared);
     TexelCut cut{.sigma = request.sigma, .ndf_size = request.ndf_size};
     if (request.block) {
