@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# What a batch must survive, tried on the program: batch.sh PROGRAM [KILLS]
+# What a batch must survive, tried on the program: batch.sh PROGRAM [KILLS [FULL_DISKS]]
 # After each mishap nothing is half-written under a final name, and the same command completes the work with
-# the tables of an undisturbed run. KILLS is the number of kills at random moments (5 unless said).
+# the tables of an undisturbed run. KILLS is the number of kills at random moments (5 unless said),
+# FULL_DISKS that of disks that are full at random points (4 unless said).
 set -uo pipefail
-program=$1 kills=${2:-5}
+program=$1 kills=${2:-5} full_disks=${3:-4}
 work=$(mktemp -d) failures=0 skipped=0
 tmpfs=
 cleanup() { [[ -z $tmpfs ]] || umount "$tmpfs"; chmod -R u+rwx "$work"; rm -rf "$work"; }
@@ -22,8 +23,8 @@ expect_said() {  # expect_said TEXT WHAT: in what the last command said
   grep -q -- "$1" out.txt err.txt || fail "$2: says nothing of '$1': $(tail -n 2 err.txt)"
 }
 # Whole files, and every table as in the undisturbed run.
-compare() {  # compare FILE WHAT
-  /usr/bin/python3 - reference/result.h5 "$1" <<'P' || fail "$2: not what an undisturbed run gives"
+compare() {  # compare FILE WHAT [REFERENCE]
+  /usr/bin/python3 - "${3:-reference}/result.h5" "$1" <<'P' || fail "$2: not what an undisturbed run gives"
 import sys, h5py, numpy as np
 with h5py.File(sys.argv[1]) as a, h5py.File(sys.argv[2]) as b:
     assert b.attrs['complete'] == 1
@@ -37,8 +38,8 @@ with h5py.File(sys.argv[1]) as a, h5py.File(sys.argv[2]) as b:
 P
 }
 # No half of a file under a final name: what stands there is an earlier whole one or nothing.
-nothing_half_written() {  # nothing_half_written FOLDER WHAT
-  [[ ! -e $1/result.h5 ]] || compare "$1/result.h5" "$2"
+nothing_half_written() {  # nothing_half_written FOLDER WHAT [REFERENCE]
+  [[ ! -e $1/result.h5 ]] || compare "$1/result.h5" "$2" "${3:-reference}"
 }
 
 mkdir scans
@@ -151,20 +152,25 @@ cp scans/5.dat growing/
 expect_code 0 "after the file was put back" "$program" run growing -o from_growing --without kirchhoff,pictures --size 257
 compare from_growing/result.h5 "after the file was put back"
 
-# A disk that is full.
+# A disk that is full, at random points of all that the run writes.
 mkdir full
-if [[ $(id -u) -eq 0 ]] && mount -t tmpfs -o size=2m tmpfs full 2>/dev/null; then
+if [[ $(id -u) -eq 0 ]] && mount -t tmpfs -o size=64m tmpfs full 2>/dev/null; then
   tmpfs=$work/full
-  for room in 0 50 200 800; do  # KiB left
+  with_pictures() { "$program" run scans -o "$1" --without kirchhoff --size 1025; }
+  expect_code 0 "a disk with room" with_pictures roomy
+  needed=$(du -sk --apparent-size roomy | cut -f 1)  # KiB
+  RANDOM=11
+  for ((k = 0; k < full_disks; ++k)); do
+    room=$((RANDOM * needed / 32768))
+    echo "full disk: $room KiB left of the $needed that the run needs"
     rm -rf full/*
-    dd if=/dev/zero of=full/filler bs=1k count=$((2048 - room)) status=none 2>/dev/null
-    expect_code 3 "full disk, $room KiB left" "$program" run scans -o full/out --without kirchhoff --size 1025
-    nothing_half_written full/out "full disk"
+    fallocate -l "$((65536 - room))k" full/filler
+    expect_code 3 "full disk, $room KiB left" with_pictures full/out
+    nothing_half_written full/out "full disk, $room KiB left" roomy
   done
-  rm -rf full/*
-  mount -o remount,size=64m full  # a slow machine writes checkpoints as well
-  expect_code 0 "after room was made" run full/out
-  compare full/out/result.h5 "after room was made"
+  rm full/filler
+  expect_code 0 "after room was made" with_pictures full/out
+  compare full/out/result.h5 "after room was made" roomy
 else
   skip "full disk: needs root and mount"
 fi
