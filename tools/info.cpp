@@ -200,7 +200,7 @@ int info(const Options& options) {
       [&](std::int64_t k, Outcome outcome) {
         const std::string source = listing.scans[static_cast<std::size_t>(k)].path.string();
         if (!outcome.description) {
-          std::fprintf(stderr, "microbrdf: %s: %s\n", source.c_str(), outcome.message.c_str());
+          print_failed(source, outcome.message);
           failed.push_back({{"source", source}, {"message", outcome.message}});
         } else {
           scans.push_back(to_json(*outcome.description, options.level));

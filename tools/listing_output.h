@@ -12,6 +12,12 @@ namespace micro::tools {
 /// Throws InputError, with a sentence, if the listing of `paths` holds no scan.
 void require_scans(const ScanListing& listing, const std::vector<std::string>& paths);
 
+/// The name of a file for a sentence: hostile ones steer terminals.
+std::string printable_name(const std::string& file);
+
+/// Says on stderr which scan failed and why.
+void print_failed(const std::string& source, const std::string& message);
+
 /// Says on stderr which scans failed and why; the same as [{"source", "message"}, …].
 nlohmann::json report_failed(const std::vector<ScanRecord>& scans);
 

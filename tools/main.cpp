@@ -17,6 +17,7 @@
 #include "tools/commands.h"
 #include "tools/common_options.h"
 #include "tools/json_output.h"
+#include "tools/listing_output.h"
 
 namespace {
 
@@ -120,7 +121,9 @@ int main(int argc, char** argv) {
   } catch (const micro::MixedPitches& error) {
     return fail({kNothing, error.what(), error.failed()}, argc, argv);
   } catch (const micro::FileError& error) {
-    return fail({kNothing, error.what(), {{error.file().string(), error.fact()}}}, argc, argv);
+    const std::string file = error.file().string();
+    return fail({kNothing, micro::tools::printable_name(file) + ": " + error.fact(), {{file, error.fact()}}},
+                argc, argv);
   } catch (const std::bad_alloc&) {
     return fail({kNothing, "not enough memory for this request", {}}, argc, argv);
   } catch (const std::exception& error) {

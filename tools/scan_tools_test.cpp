@@ -1,6 +1,7 @@
 // `microbrdf synth` and `microbrdf info` as people and programs call them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -175,6 +176,19 @@ TEST_F(ScanTools, InfoGoesOnAfterABadFile) {
   EXPECT_EQ(json["failed"][0]["source"], file("bad.dat"));
   EXPECT_EQ(run("info " + file("bad.dat")).code, 3);
   EXPECT_EQ(run("info").code, 2);
+}
+
+TEST_F(ScanTools, WhatIsSaidOfAFileIsOneLineWhateverItsName) {
+  const std::string name = "a\n\033[31mb\xFF.dat";
+  std::ofstream(file(name)) << "\x88\x1B\x03\x6F";
+  const std::string argument = "\"$(printf '" + folder.path().string() + "/a\\n\\033[31mb\\377.dat')\"";
+  for (const std::string& command : {"info " + argument, "info " + folder.path().string(),
+                                     "convert " + argument + " -o " + file("b.npy")}) {
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.code, 3) << command;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find("a??[31mb\xFF.dat: is shorter"), std::string::npos) << outcome.err;
+  }
 }
 
 TEST_F(ScanTools, InfoTakesFolders) {
