@@ -237,6 +237,31 @@ def plu_cases():
     yield "no lateral scale", Case(plu(spacing=(0, 0)), 0.25, pitch="0.25,0.5")
 
 
+# --- Keyence .vk4 ------------------------------------------------------------------------------------------------
+def vk4(bits=32, dz=500000, spacing=(250000, 500000), more=0, colour=False):
+    """The height image, before it a colour picture if asked for; settings as long as `more` makes them. Lengths are pm."""
+    settings = bytearray(304 + more)
+    struct.pack_into("<7I", settings, 0, len(settings), 2026, 12, 1, 13, 0, 0)
+    struct.pack_into("<3I", settings, 168, *spacing, dz)
+    picture = struct.pack("<5I", COLS, ROWS, 24, 0, 3 * ROWS * COLS) + bytes(range(3 * ROWS * COLS)) if colour else b""
+    raw = COUNTS.astype({8: "u1", 16: "<u2", 32: "<u4"}[bits]).tobytes()
+    image = struct.pack("<7I", COLS, ROWS, bits, 0, len(raw), 0, int(COUNTS.max())) + bytes(range(256)) * 3 + raw
+    places = [0] * 18
+    places[0] = 84
+    places[1] = 84 + len(settings) if colour else 0
+    places[6] = 84 + len(settings) + len(picture)
+    return b"VK4_" + bytes((1, 0, 0, 8)) + bytes(4) + struct.pack("<18I", *places) + settings + picture + image
+
+
+def vk4_cases():
+    none = np.zeros_like(HOLES)
+    for bits in (8, 16, 32):
+        yield f"{bits} bits", Case(vk4(bits), 0.5, holes=none)
+    yield "a digit of 100 pm", Case(vk4(dz=100), 1e-4, holes=none)
+    yield "longer settings, a colour picture", Case(vk4(more=52, colour=True), 0.5, holes=none)
+    yield "no lateral scale", Case(vk4(spacing=(0, 0)), 0.5, holes=none, pitch="0.25,0.5")
+
+
 # --- SDF, ISO 25178-71 -------------------------------------------------------------------------------------------
 def sdf_ascii(end="\n", equals=" = ", bad="BAD", number="{:.0f}", scale="1e-8", magic="aISO-1.0", kind=7, per_line=COLS, trailer="",
               indent=""):
@@ -472,7 +497,7 @@ def datx_cases():
             yield f".datx {unit}", Case(pathlib.Path(file.name).read_bytes(), um, pitch="0.25,0.5")
 
 
-FORMATS = {"x3p": x3p_cases, "opd": opd_cases, "sur": surf_cases, "plu": plu_cases, "sdf": sdf_cases, "exr": exr_cases, "gsf": gsf_cases,
+FORMATS = {"x3p": x3p_cases, "opd": opd_cases, "sur": surf_cases, "plu": plu_cases, "vk4": vk4_cases, "sdf": sdf_cases, "exr": exr_cases, "gsf": gsf_cases,
            "npy": npy_cases, "text": text_cases, "zygo": zygo_cases, "datx": datx_cases}
 
 

@@ -27,8 +27,9 @@ class ProfilerFormats : public ::testing::Test {
     write_bytes(path, bytes);
     return read_scan(path);
   }
-  /// Heights 1, 2, 3 / 4, 5, missing µm at 0.25 × 0.5 µm.
-  void expect_small_scan(const std::vector<std::byte>& bytes, const std::string& format) const {
+  /// Heights 1, 2, 3 / 4, 5, missing µm at 0.25 × 0.5 µm; or 6 µm where a format knows nothing missing.
+  void expect_small_scan(const std::vector<std::byte>& bytes, const std::string& format,
+                         double last = NAN) const {
     SCOPED_TRACE(format);
     const Scan scan = read(bytes);
     EXPECT_EQ(scan.format, format);
@@ -39,7 +40,10 @@ class ProfilerFormats : public ::testing::Test {
     for (Eigen::Index k = 0; k < 5; ++k)
       EXPECT_NEAR(scan.surface.mean + static_cast<double>(scan.surface.z.data()[k]),
                   static_cast<double>(k + 1), kRounding);
-    EXPECT_TRUE(is_missing(scan.surface.z(1, 2)));
+    if (std::isnan(last))
+      EXPECT_TRUE(is_missing(scan.surface.z(1, 2)));
+    else
+      EXPECT_NEAR(scan.surface.mean + static_cast<double>(scan.surface.z(1, 2)), last, kRounding);
   }
   void expect_refused(const std::vector<std::byte>& bytes, const std::string& words) const {
     try {
@@ -86,14 +90,8 @@ TEST_F(ProfilerFormats, SdfAsciiRefusesWhatIsWrong) {
 
 TEST_F(ProfilerFormats, SdfBinaryOfEveryType) {
   for (int type = 0; type < 8; ++type) {
-    const auto bytes = small_sdf_binary({.type = type});
-    if (type == 0 || type == 4) {
-      const Scan scan = read(bytes);
-      EXPECT_EQ(missing_count(scan.surface), 0);
-      EXPECT_NEAR(scan.surface.mean + static_cast<double>(scan.surface.z(1, 2)), 6, kRounding);
-    } else {
-      expect_small_scan(bytes, "sdf");
-    }
+    const bool knows_missing = type != 0 && type != 4;
+    expect_small_scan(small_sdf_binary({.type = type}), "sdf", knows_missing ? NAN : 6);
   }
   expect_small_scan(small_sdf_binary({.type = 5, .olympus = true}), "sdf");
 }
@@ -130,6 +128,31 @@ TEST_F(ProfilerFormats, WykoOpdRefusesWhatIsWrong) {
   expect_refused(with(opd, heights, "\xFF\xFF\xFF\xFF"), "cut");
   expect_refused(with(opd, heights, std::string(2, '\0')), "no heights");
   expect_refused(with(opd, heights + 4, "\x03"), "bytes");
+}
+
+TEST_F(ProfilerFormats, KeyenceVk4) {
+  for (const std::uint32_t bits : {8u, 16u, 32u})
+    expect_small_scan(small_vk4({bits}), "keyence-vk4", 6);
+  const auto vk4 = small_vk4({});
+  constexpr std::size_t settings = 84, image = 388;
+  const std::string none(4, '\0'), most(4, '\xFF');
+  expect_refused({vk4.begin(), vk4.end() - 1}, "cut: its header promises");
+  expect_refused({vk4.begin(), vk4.begin() + 83}, "cut in its header");
+  expect_refused(with(vk4, 12, most), "settings are not there");
+  expect_refused(with(vk4, settings, none), "too short");
+  expect_refused(with(vk4, 36, none), "no heights");
+  expect_refused(with(vk4, 36, most), "heights are not there");
+  expect_refused(with(vk4, image, none), "no heights");
+  expect_refused(with(vk4, image, most + most), "promises more");
+  expect_refused(with(vk4, image + 8, std::string("\x18\0\0\0", 4)), "8, 16 or 32 bits");
+  expect_refused(with(vk4, image + 12, "\1"), "compressed");
+  expect_refused(with(vk4, settings + 176, none), "height scale");
+  expect_refused(with(vk4, settings + 168, none), "--pitch");
+  expect_refused(with(vk4, 8, "\1"), "no scan");
+  // Counts are whole numbers without a sign, and the scale is of all 32 bits.
+  const Scan high = read(with(with(vk4, image + 796, most), settings + 176, std::string("\1\0\0\0", 4)));
+  EXPECT_FLOAT_EQ(static_cast<float>(high.surface.mean + static_cast<double>(high.surface.z(0, 0))),
+                  4294.967295F);
 }
 
 TEST_F(ProfilerFormats, SensofarPlu) {

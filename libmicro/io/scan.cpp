@@ -13,6 +13,7 @@
 #include "io/digital_surf.h"
 #include "io/exr_heights.h"
 #include "io/gsf.h"
+#include "io/keyence_vk4.h"
 #include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
 #include "io/sdf.h"
@@ -28,9 +29,10 @@ namespace micro {
 namespace {
 
 /// A new format is a file beside these and a line here. Plain text has no signature, so it comes last.
-constexpr std::array kFormats = {
-    kZygoDat, kZygoAsc,     kZygoXyz,       kDigitalSurf,     kSdf,      kWykoOpd,   kGsf, kX3p, kExrHeights,
-    kNpy,     kSensofarPlu, kMicrobrdfHdf5, kMicrobrdfResult, kZygoDatx, kTextMatrix};
+constexpr std::array kFormats = {kZygoDat,       kZygoAsc,         kZygoXyz,    kDigitalSurf,
+                                 kSdf,           kWykoOpd,         kKeyenceVk4, kGsf,
+                                 kX3p,           kExrHeights,      kNpy,        kSensofarPlu,
+                                 kMicrobrdfHdf5, kMicrobrdfResult, kZygoDatx,   kTextMatrix};
 
 /// Whatever the user says about the pitch may fill a gap in a file; it may not contradict one.
 void check_pitch_agrees(const std::filesystem::path& path, const HeightField& surface,

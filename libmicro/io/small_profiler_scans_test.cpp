@@ -119,6 +119,30 @@ std::vector<std::byte> small_plu() {
   return bytes;
 }
 
+std::vector<std::byte> small_vk4(const Vk4& vk4) {
+  constexpr std::size_t settings = 84, settings_size = 304, image = settings + settings_size, header = 796;
+  const std::size_t bytes_each = vk4.bits / 8;
+  std::vector<std::byte> bytes(image + header + 6 * bytes_each);
+  const auto integer = [&](std::size_t at, std::size_t value) {
+    put(bytes, at, static_cast<std::uint32_t>(value), false);
+  };
+  std::memcpy(bytes.data(), "VK4_", 4);
+  integer(4, 0x08000001);  // version
+  integer(12, settings);
+  integer(36, image);
+  integer(settings, settings_size);
+  integer(settings + 168, 250000);  // pm
+  integer(settings + 172, 500000);
+  integer(settings + 176, 500000);
+  integer(image, 3);
+  integer(image + 4, 2);
+  integer(image + 8, vk4.bits);
+  integer(image + 16, 6 * bytes_each);
+  for (std::size_t k = 0; k < 6; ++k)
+    bytes[image + header + k * bytes_each] = static_cast<std::byte>(2 * (k + 1));
+  return bytes;
+}
+
 std::string small_gsf() {
   std::string text =
       "Gwyddion Simple Field 1.0\nXRes = 3\nYRes = 2\nXReal=7.5e-07\nYReal = 0.000001\nXYUnits = m\n"

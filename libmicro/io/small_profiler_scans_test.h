@@ -27,6 +27,13 @@ std::vector<std::byte> small_opd(const Opd& opd);
 
 std::vector<std::byte> small_plu();
 
+/// Keyence VK4, whose heights are integers of 8, 16 or 32 bits; the format cannot say that a point is
+/// missing: the last height is 6 µm.
+struct Vk4 {
+  std::uint32_t bits = 32;
+};
+std::vector<std::byte> small_vk4(const Vk4& vk4);
+
 /// Gwyddion Simple Field.
 std::string small_gsf();
 

@@ -32,6 +32,7 @@ std::map<std::string, std::vector<std::vector<std::byte>>> small_scans_of_every_
                   small_sdf_binary({.type = 7})};
   files["wyko-opd"] = {small_opd({}), small_opd({.floats = true, .name = "Raw"})};
   files["sensofar-plu"] = {small_plu()};
+  files["keyence-vk4"] = {small_vk4({}), small_vk4({.bits = 16}), small_vk4({.bits = 8})};
   files["gsf"] = {bytes_of(small_gsf())};
   files["npy"] = {written([&] { write_npy(path, surface); })};
   files["text"] = {bytes_of("0.5 1.5 2.5\n3.5 4.5 5.5\n"), bytes_of("# x\n1;;nan\n+2;BAD;1e3\n")};
