@@ -9,6 +9,7 @@
 #include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
 #include "io/scan.h"
+#include "io/small_hdf5_scans_test.h"
 #include "io/small_scans_test.h"
 #include "testing/temporary_folder.h"
 
@@ -230,6 +231,22 @@ TEST_F(PlainFormats, OurHeightFileComesBackToTheBit) {
   EXPECT_EQ(back.surface.dy, surface.dy);
   EXPECT_EQ(back.surface.mean, surface.mean);
   EXPECT_TRUE((back.surface.z == surface.z || (back.surface.z.isNaN() && surface.z.isNaN())).all());
+}
+
+TEST_F(PlainFormats, AHeightFileMayHaveAnotherWriter) {
+  for (const Hdf5Layout layout : {Hdf5Layout::Earliest, Hdf5Layout::Latest})
+    for (const Hdf5Storage storage : {Hdf5Storage::Contiguous, Hdf5Storage::Deflated}) {
+      write_small_height_file(path, layout, storage);
+      const Scan scan = read_scan(path);
+      EXPECT_EQ(scan.format, "microbrdf-hdf5");
+      ASSERT_EQ(scan.surface.rows(), 3);
+      ASSERT_EQ(scan.surface.cols(), 4);
+      EXPECT_EQ(scan.surface.mean, 10);
+      EXPECT_EQ(missing_count(scan.surface), 1);
+      EXPECT_TRUE(is_missing(scan.surface.z(1, 1)));
+      for (const int k : {0, 1, 4, 11})
+        EXPECT_EQ(scan.surface.z(k / 4, k % 4), static_cast<float>(k) + 0.5F);
+    }
 }
 
 TEST_F(PlainFormats, TextOfMissingPointsAloneIsAScanOfNothing) {

@@ -3,6 +3,7 @@
 #include "io/exr.h"
 #include "io/microbrdf_hdf5.h"
 #include "io/npy.h"
+#include "io/small_hdf5_scans_test.h"
 #include "io/small_profiler_scans_test.h"
 #include "io/small_scans_test.h"
 #include "io/x3p.h"
@@ -42,9 +43,15 @@ std::map<std::string, std::vector<std::vector<std::byte>>> small_scans_of_every_
   files["microbrdf-hdf5"] = {written(
       [&] { write_microbrdf_hdf5(path, surface, {.version = "0", .created = "now", .command = "test"}); })};
   files["zygo-datx"] = {written([&] { write_small_datx(path, {}); }), written([&] {
-                          write_small_datx(path,
-                                           {.converter_fields = 5, .unit = "Fringes", .hard_link = true});
-                        })};
+                          write_small_datx(path, {.unit = "Fringes", .surfaces = 2, .hard_link = true});
+                        }),
+                        written([&] { write_small_datx(path, {.converter_fields = 5, .metadata = false}); })};
+  for (const Hdf5Layout layout : {Hdf5Layout::Earliest, Hdf5Layout::Latest})
+    for (const Hdf5Storage storage : {Hdf5Storage::Contiguous, Hdf5Storage::Deflated}) {
+      files["microbrdf-hdf5"].push_back(written([&] { write_small_height_file(path, layout, storage); }));
+      files["zygo-datx"].push_back(written(
+          [&] { write_small_datx(path, {.converter_fields = 5, .layout = layout, .storage = storage}); }));
+    }
   return files;
 }
 

@@ -1,125 +1,16 @@
 #include "io/small_scans_test.h"
 
-#include <hdf5.h>
 #include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cfloat>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 
 namespace micro {
-namespace {
-
-hid_t text_type() {
-  const hid_t type = H5Tcopy(H5T_C_S1);
-  H5Tset_size(type, H5T_VARIABLE);
-  return type;
-}
-
-template <typename T>
-void attribute(hid_t owner, const char* name, hid_t type, const T& value) {
-  const hsize_t one = 1;
-  const hid_t space = H5Screate_simple(1, &one, nullptr);
-  const hid_t made = H5Acreate2(owner, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-  H5Awrite(made, type, &value);
-  H5Aclose(made);
-  H5Sclose(space);
-}
-
-struct Converter3 {
-  const char* category;
-  const char* base_unit;
-  hvl_t parameters;
-};
-struct Converter5 {
-  const char* category;
-  const char* base_unit;
-  const char* sub_category;
-  const char* sub_unit;
-  hvl_t parameters;
-};
-
-void converter(hid_t owner, const char* name, const Datx& datx, double pitch) {
-  std::array<double, 4> values = {0, pitch, 0, 0};
-  const hvl_t parameters = {values.size(), values.data()};
-  const hid_t text = text_type();
-  const hid_t list = H5Tvlen_create(H5T_NATIVE_DOUBLE);
-  if (datx.converter_fields == 3) {
-    const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(Converter3));
-    H5Tinsert(type, "Category", HOFFSET(Converter3, category), text);
-    H5Tinsert(type, "BaseUnit", HOFFSET(Converter3, base_unit), text);
-    H5Tinsert(type, "Parameters", HOFFSET(Converter3, parameters), list);
-    attribute(owner, name, type, Converter3{"LateralCat", "Pixels", parameters});
-    H5Tclose(type);
-  } else {
-    const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(Converter5));
-    H5Tinsert(type, "Category", HOFFSET(Converter5, category), text);
-    H5Tinsert(type, "BaseUnit", HOFFSET(Converter5, base_unit), text);
-    H5Tinsert(type, "SubCategory", HOFFSET(Converter5, sub_category), text);
-    H5Tinsert(type, "SubUnit", HOFFSET(Converter5, sub_unit), text);
-    H5Tinsert(type, "Parameters", HOFFSET(Converter5, parameters), list);
-    attribute(owner, name, type,
-              Converter5{"LateralCat", "Pixels", "LinearCat", datx.sub_unit.c_str(), parameters});
-    H5Tclose(type);
-  }
-  H5Tclose(list);
-  H5Tclose(text);
-}
-
-struct Edge {
-  const char* source;
-  const char* link;
-  const char* destination;
-};
-
-void write_graph(hid_t file, const std::string& surface) {
-  const std::string path = "/Data/Surface/" + surface;
-  const std::array edges = {Edge{"Root", "Measurement", "{M}"}, Edge{"{M}", "Surface", surface.c_str()},
-                            Edge{"{M}", "Attributes", "/Attributes/{A}"},
-                            Edge{surface.c_str(), "Path", path.c_str()},
-                            Edge{surface.c_str(), "Name", "Surface"}};
-  const hid_t text = text_type();
-  const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(Edge));
-  H5Tinsert(type, "Source", HOFFSET(Edge, source), text);
-  H5Tinsert(type, "Link", HOFFSET(Edge, link), text);
-  H5Tinsert(type, "Destination", HOFFSET(Edge, destination), text);
-  const hsize_t count = edges.size(), unlimited = H5S_UNLIMITED;
-  const hid_t space = H5Screate_simple(1, &count, &unlimited);
-  const hid_t list = H5Pcreate(H5P_DATASET_CREATE);
-  H5Pset_chunk(list, 1, &count);
-  const hid_t data = H5Dcreate2(file, "/MetaData", type, space, H5P_DEFAULT, list, H5P_DEFAULT);
-  H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, edges.data());
-  for (const hid_t id : {data, list, space, type, text})
-    H5Idec_ref(id);
-}
-
-void write_surface(hid_t file, const std::string& name, const Datx& datx) {
-  std::array<double, 12> values;
-  for (std::size_t k = 0; k < values.size(); ++k)
-    values[k] = k == 5 ? DBL_MAX : static_cast<double>(k) + 0.5;
-  const std::array<hsize_t, 2> extents = {3, 4};
-  const hid_t space = H5Screate_simple(2, extents.data(), nullptr);
-  const hid_t data = H5Dcreate2(file, ("/Data/Surface/" + name).c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT,
-                                H5P_DEFAULT, H5P_DEFAULT);
-  H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
-  const hid_t text = text_type();
-  attribute(data, "Unit", text, datx.unit.c_str());
-  attribute(data, "No Data", H5T_NATIVE_DOUBLE, DBL_MAX);
-  attribute(data, "Wavelength", H5T_NATIVE_DOUBLE, 0.6e-6);
-  attribute(data, "Interferometric Scale Factor", H5T_NATIVE_DOUBLE, 0.5);
-  attribute(data, "Obliquity Factor", H5T_NATIVE_DOUBLE, 2.);
-  converter(data, "X Converter", datx, datx.pitch_x);
-  converter(data, "Y Converter", datx, datx.pitch_y);
-  for (const hid_t id : {text, data, space})
-    H5Idec_ref(id);
-}
-
-}  // namespace
 
 std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -162,24 +53,6 @@ std::vector<std::byte> small_dat(const DatHeader& header) {
     put(bytes, header_bytes + intensity_bytes + 4 * k,
         k == 5 ? 2147483640 : static_cast<std::int32_t>(k) * 1000 - 3000, true);
   return bytes;
-}
-
-void write_small_datx(const std::filesystem::path& path, const Datx& datx) {
-  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  for (const char* group : {"/Data", "/Data/Surface", "/Attributes", "/Attributes/{A}"})
-    H5Gclose(H5Gcreate2(file, group, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-  std::string name;
-  for (int k = 0; k < datx.surfaces; ++k) {
-    name = "{S" + std::to_string(k) + "}";
-    write_surface(file, name, datx);
-  }
-  if (datx.metadata) write_graph(file, name);
-  if (datx.hard_link) {
-    H5Gclose(H5Gcreate2(file, "/Processed Data: PM", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
-    H5Lcreate_hard(file, ("/Data/Surface/" + name).c_str(), file, "/Processed Data: PM/Surface", H5P_DEFAULT,
-                   H5P_DEFAULT);
-  }
-  H5Fclose(file);
 }
 
 std::string small_asc(const std::string& intensities, int sign) {

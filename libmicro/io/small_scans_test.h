@@ -37,18 +37,6 @@ struct DatHeader {
 };
 std::vector<std::byte> small_dat(const DatHeader& header);
 
-/// A .datx: 3 rows, 4 columns; value k + 0.5, except value 5, which is missing.
-struct Datx {
-  int converter_fields = 3;  ///< 3 or 5
-  std::string unit = "NanoMeters";
-  std::string sub_unit = "Meters";
-  double pitch_x = 0.25e-6, pitch_y = 0.5e-6;
-  int surfaces = 1;
-  bool metadata = true;  ///< the graph names the last of them
-  bool hard_link = false;
-};
-void write_small_datx(const std::filesystem::path& path, const Datx& datx);
-
 /// Zygo ASCII, 3 columns, 2 rows: raw 32768, −32768, 0, missing, 65536, 1; S·W·O/R = 0.5·2e-6/32768 m; pitch
 /// 0.25 µm.
 std::string small_asc(const std::string& intensities, int sign = 0);

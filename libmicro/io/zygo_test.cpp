@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "io/scan.h"
+#include "io/small_hdf5_scans_test.h"
 #include "io/small_scans_test.h"
 #include "io/zygo_dat.h"
 #include "testing/temporary_folder.h"
@@ -145,6 +146,17 @@ TEST_F(Zygo, DatxOfBothConvertersAndUnits) {
         for (const int k : {0, 1, 4, 11})
           EXPECT_NEAR(height(surface, k / 4, k % 4), (k + 0.5) * scale, kRounding * 12 * scale);
       }
+}
+
+TEST_F(Zygo, DatxOfEveryAgeOfHdf5) {
+  const HeightField plain = read(Datx{.converter_fields = 5});
+  for (const Hdf5Layout layout : {Hdf5Layout::Earliest, Hdf5Layout::Latest})
+    for (const Hdf5Storage storage : {Hdf5Storage::Contiguous, Hdf5Storage::Deflated}) {
+      const HeightField surface = read(Datx{.converter_fields = 5, .layout = layout, .storage = storage});
+      EXPECT_DOUBLE_EQ(surface.dx, 0.25);
+      EXPECT_DOUBLE_EQ(surface.dy, 0.5);
+      EXPECT_TRUE((surface.z == plain.z || (surface.z.isNaN() && plain.z.isNaN())).all());
+    }
 }
 
 TEST_F(Zygo, DatxRefusesWhatItWouldHaveToGuess) {
