@@ -12,12 +12,16 @@
 #include "brdf/albedo.h"
 #include "brdf/colour.h"
 #include "brdf/half_angle_table.h"
+#include "brdf/kirchhoff_brdf.h"
 #include "brdf/metals.h"
 #include "brdf/microfacet.h"
 #include "core/random.h"
+#include "distribution/beckmann.h"
 #include "distribution/ellipsoid.h"
 #include "distribution/tabulate.h"
 #include "distribution/tabulated.h"
+#include "height/gaussian_surface.h"
+#include "kirchhoff/spectral.h"
 
 namespace micro::bench {
 namespace {
@@ -53,6 +57,31 @@ void report_albedo(const std::string& lobe, const Microfacet<Ellipsoid>& model, 
     p.reached = found.error <= tolerance ? CurvePoint::Reached::Yes : CurvePoint::Reached::No;
     report(p);
   }
+}
+
+/// D_K of one surface, speckle and all, as a perfect mirror's.
+void report_speckle(const Report& report) {
+  constexpr double kReference = 3e-5, kTableTolerance = 1e-3;
+  const HeightField surface = gaussian_surface({480, 640, 0.11, 0.11}, {0.3, 3, 3, 0}, 1);
+  const std::vector<double> lambda_q = {0.5, 0.6};
+  std::vector<Tabulated> tables;
+  for (const double lambda : lambda_q)
+    tables.emplace_back(spectral_table(surface, {1025, 1}, lambda, kTableTolerance).table);
+  const KirchhoffBrdf model(SpectrumDensity(lambda_q, tables), gaussian_surface_normals({0.3, 3, 3}),
+                            Masking::Smith);
+  const double exact = albedo(model, kLight, kLambda, kReference).value;
+  const auto report_by = [&](const std::string& name, const auto& albedo_to) {
+    for (const double tolerance : {1e-2, 3e-3, 1e-3, 3e-4}) {
+      const double start = cpu_seconds();
+      const Estimate<double> found = albedo_to(tolerance);
+      CurvePoint p =
+          point(name, "D_K albedo", tolerance, std::abs(found.value - exact), cpu_seconds() - start);
+      p.reached = found.error <= tolerance ? CurvePoint::Reached::Yes : CurvePoint::Reached::No;
+      report(p);
+    }
+  };
+  report_by("over the tables", [&](double tolerance) { return albedo(model, kLight, kLambda, tolerance); });
+  report_by("by draws", [&](double tolerance) { return sampled_albedo(model, kLight, kLambda, tolerance); });
 }
 
 /// (Σ(f' − f)²/Σf²)^½ of another f' over all directions of the viewer, by the model's own samples.
@@ -136,6 +165,7 @@ void brdf_curves(const Report& report) {
     if (parameters.alpha_x == parameters.alpha_y) report_half_angle_tables(name, model, report);
     report_spectra(name, model, report);
   }
+  report_speckle(report);
 }
 
 }  // namespace micro::bench
