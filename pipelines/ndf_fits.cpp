@@ -23,6 +23,15 @@ std::string number(double lambda_q, int digits) {
   return text.str();
 }
 
+/// Only the disk means anything: elsewhere other programs leave what they like, NaN for one.
+DiskTable on_the_disk(DiskTable table) {
+  const Eigen::Index n = table.grid.size;
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (!(table.grid.mz2(j, i) > 0)) table.density(j, i) = 0;
+  return table;
+}
+
 /// The table of a method, or those of its wavelengths. Throws InputError where there is none.
 std::vector<NdfTable> read_method(const Hdf5Reader& file, const std::string& method) {
   constexpr std::size_t kLargest = 1 << 15;
@@ -36,7 +45,7 @@ std::vector<NdfTable> read_method(const Hdf5Reader& file, const std::string& met
   DiskTable table = make_disk_table({static_cast<int>(shape.back()), file.number_attribute(group, "extent")});
   if (!spectrum) {
     table.density = file.read_grid<double>(density);
-    return {{method, std::move(table)}};
+    return {{method, on_the_disk(std::move(table))}};
   }
   const std::vector<double> lambda_q = file.read<double>(lambdas);
   const std::vector<std::string> names = slice_names(method, lambda_q);
@@ -46,7 +55,7 @@ std::vector<NdfTable> read_method(const Hdf5Reader& file, const std::string& met
     const auto n = static_cast<Eigen::Index>(shape.back());
     table.density =
         Eigen::Map<const Grid<float>>(values.data() + k * shape.back() * shape.back(), n, n).cast<double>();
-    tables.push_back({names[k], table, lambda_q[k]});
+    tables.push_back({names[k], on_the_disk(table), lambda_q[k]});
   }
   return tables;
 }
@@ -198,20 +207,20 @@ NdfFits fit_ndfs(const std::vector<NdfTable>& tables, Weighting weighting) {
 }
 
 void write_fits(Hdf5Writer& file, const NdfFits& fits) {
-  file.remove("/fit");
+  for (const NdfFit& fit : fits.fits)
+    file.remove("/fit/" + fit.method);
   for (const NdfFit& fit : fits.fits)
     write_fit(file, fit);
 }
 
 void add_fits(const std::filesystem::path& source, const std::filesystem::path& output, const NdfFits& fits,
               const std::string& command) {
+  if (fits.fits.empty()) return;
   const std::optional<std::string> plan = renewed_plan(Hdf5Reader(source), stage_of(fits));
   Hdf5Writer file = Hdf5Writer::amend(source, output);
   write_fits(file, fits);
-  if (!fits.fits.empty()) {
-    file.set_attribute("/fit", "command", std::string_view(command));
-    file.set_attribute("/fit", "microbrdf_version", version());
-  }
+  file.set_attribute("/fit", "command", std::string_view(command));
+  file.set_attribute("/fit", "microbrdf_version", version());
   if (plan) {
     file.remove("/plan");
     file.write_text("/plan", *plan);

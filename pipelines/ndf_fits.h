@@ -71,11 +71,11 @@ NdfFits fit_ndfs(const std::vector<NdfTable>& tables, Weighting weighting);
 /// What a plan says of them.
 Stage stage_of(const NdfFits& fits);
 
-/// Writes /fit/<method>/<model> in place of what stood under /fit.
+/// Writes /fit/<method>/<model> in place of what stood under /fit/<method>; fits of other methods stay.
 void write_fits(Hdf5Writer& file, const NdfFits& fits);
 
 /// Writes `output` as a copy of `source` with the fits in it, and what /plan says of the stage "fit" renewed;
-/// both may be the same file. `command` is what the user typed. Throws FileError.
+/// both may be the same file. Writes nothing if nothing was fitted. `command` is what the user typed. Throws FileError.
 void add_fits(const std::filesystem::path& source, const std::filesystem::path& output, const NdfFits& fits,
               const std::string& command);
 

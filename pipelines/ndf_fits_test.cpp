@@ -114,7 +114,7 @@ TEST_F(FitFile, LeavesOutWhatIsNoTableAndSaysWhy) {
     writer.set_attribute("/ndf/spectrum", "extent", 1.);
     writer.create_group("/ndf/nothing");
     Grid<double> holed = ellipsoid_.density;
-    holed(3, 3) = NAN;
+    holed(3, 64) = NAN;
     writer.write("/ndf/holed/density", holed);
     writer.set_attribute("/ndf/holed", "extent", 0.9);
     writer.write("/ndf/zero/density", Grid<double>::Zero(65, 65).eval());
@@ -132,6 +132,39 @@ TEST_F(FitFile, LeavesOutWhatIsNoTableAndSaysWhy) {
   add_fits(path(), path("b.h5"), fits, "");
   EXPECT_TRUE(std::isnan(Hdf5Reader(path("b.h5")).number_attribute("/fit/zero/ellipsoid", "alpha_x")));
   EXPECT_NE(stage_of(fits).reason.find("empty"), std::string::npos);
+}
+
+// Off the disk there are no directions: what another program left there, NaN for one, does not count.
+TEST_F(FitFile, OnlyTheDiskCounts) {
+  DiskTable table = tabulate(Ellipsoid(slope_frame(kParameters)), {51, 1});  // (7, 24)/25: on the horizon
+  for (Eigen::Index j = 0; j < 51; ++j)
+    for (Eigen::Index i = 0; i < 51; ++i)
+      if (std::hypot(static_cast<double>(j - 25), static_cast<double>(i - 25)) > 24.999)
+        table.density(j, i) = (i + j) % 2 == 0 ? NAN : 1e9;
+  write_tables(path(), {{"theirs", table}});
+  const NdfFits fits = fit_ndfs(read_ndf_tables(path()).tables, Weighting::SolidAngle);
+  EXPECT_TRUE(fits.left_out.empty());
+  ASSERT_EQ(fits.fits.size(), 2u);
+  EXPECT_EQ(fits.fits[0].fit.status, FitStatus::Converged);
+  EXPECT_NEAR(fits.fits[0].fit.parameters.alpha_x, kParameters.alpha_x, 1e-5);
+}
+
+// What cannot be fitted leaves the fits that are there as they are.
+TEST_F(FitFile, FailuresKeepEarlierFits) {
+  write_tables(path(), {{"measured", ellipsoid_}, {"other", beckmann_}});
+  add_fits(path(), path(), fit_ndfs(read_ndf_tables(path()).tables, Weighting::SolidAngle), "first");
+  NdfFits other;
+  other.left_out.push_back({"measured", "the table holds a density that is not finite"});
+  add_fits(path(), path(), other, "second");
+  EXPECT_EQ(Hdf5Reader(path()).text_attribute("/fit", "command"), "first");
+  other.add(fit_ndf({"other", beckmann_}, Weighting::Log));
+  add_fits(path(), path(), other, "third");
+  const Hdf5Reader file(path());
+  EXPECT_EQ(file.text_attribute("/fit", "command"), "third");
+  EXPECT_EQ(file.text_attribute("/fit/other/ellipsoid", "weighting"), "log");
+  ASSERT_TRUE(file.is_group("/fit/measured/ellipsoid"));
+  EXPECT_NEAR(file.number_attribute("/fit/measured/ellipsoid", "alpha_x"), kParameters.alpha_x, 1e-5);
+  EXPECT_NE(file.read_text("/plan").find("measured: the table holds"), std::string::npos);
 }
 
 TEST_F(FitFile, FitsEveryWavelengthOfASpectrum) {

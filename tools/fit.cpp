@@ -69,7 +69,7 @@ void print(const NdfFits& fits, const CommonOptions& common, const fs::path& out
   }
   for (const fs::path& figure : figures)
     std::printf("%s\n", figure.c_str());
-  std::printf("%s\n", output.c_str());
+  if (!fits.fits.empty()) std::printf("%s\n", output.c_str());
 }
 
 int run(const Options& options, const CLI::App& app) {

@@ -59,6 +59,24 @@ TEST_F(FitCommand, WritesFitsFiguresAndJson) {
   EXPECT_EQ(run("fit --weighting cubic " + file("a.h5")).code, 2);
 }
 
+// The file stays as it is, byte for byte, and none is made beside it.
+TEST_F(FitCommand, NothingFittedWritesNothing) {
+  {
+    Grid<double> density = Grid<double>::Ones(33, 33);
+    density(16, 16) = NAN;
+    Hdf5Writer writer(file("a.h5"));
+    writer.write("/ndf/mine/density", density);
+    writer.set_attribute("/ndf/mine", "extent", 0.9);
+    writer.create_group("/fit/mine/ellipsoid");
+    writer.set_attribute("/fit/mine/ellipsoid", "alpha_x", 0.25);
+    writer.finish();
+  }
+  EXPECT_EQ(run("fit " + file("a.h5")).code, 3);
+  EXPECT_EQ(run("fit -o " + file("b.h5") + " " + file("a.h5")).code, 3);
+  EXPECT_FALSE(std::filesystem::exists(file("b.h5")));
+  EXPECT_EQ(Hdf5Reader(file("a.h5")).number_attribute("/fit/mine/ellipsoid", "alpha_x"), 0.25);
+}
+
 TEST_F(FitCommand, IsAStageOfRun) {
   std::filesystem::create_directory(file("scans"));
   ASSERT_EQ(run("synth gaussian --rows 60 --cols 60 -o " + file("scans/a.dat")).code, 0);

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 
 #include "core/grid.h"
 
 namespace micro {
+
+/// Directions nearer to the horizon than this m_z² are on it.
+inline constexpr double kHorizonMz2 = 1e-12;
 
 /// The square grid that holds the hemisphere projected onto the unit disk: size × size nodes, node (j, i) at
 /// m_xy = ((i−c)/c, (j−c)/c)·extent, c = (size−1)/2, m_z = √(1−|m_xy|²). extent ≤ 1 zooms in on narrow lobes.
@@ -19,11 +23,15 @@ struct DiskGrid {
   double spacing() const { return extent / centre(); }
   /// m_x of column i, or m_y of row i.
   double coordinate(Eigen::Index i) const { return (static_cast<double>(i) - centre()) * spacing(); }
-  /// m_z² of node (j, i); the disk is where it is positive.
+  /// m_z² of node (j, i); the disk is where it is positive. Of a node on the horizon, as many sizes have by
+  /// Pythagoras' triples, rounding alone would say on which side it lies: it is off the disk.
   double mz2(Eigen::Index j, Eigen::Index i) const {
-    const double x = coordinate(i), y = coordinate(j);
-    return 1 - x * x - y * y;
+    const double x = coordinate(i), y = coordinate(j), z2 = 1 - x * x - y * y;
+    return z2 > kHorizonMz2 ? z2 : 0;
   }
+  /// A node stands for dω = spacing²/m_z, but for no more than the cell that touches the horizon from within
+  /// has, ∫dm_x dm_y/m_z ≈ spacing·√(2·spacing): m_z counts as this at least.
+  double least_mz() const { return std::sqrt(spacing() / 2); }
   /// sinθ of the outermost direction, in the table's corners.
   double outermost_sine() const { return std::min(1.0, extent * std::numbers::sqrt2); }
   template <typename Archive>

@@ -19,6 +19,20 @@ TEST(DiskTable, NodesStandWhereTheConventionSays) {
   EXPECT_EQ(inside, 823469);
 }
 
+// Nodes on the horizon are off the disk whichever way their squares are rounded: by whole numbers there is no
+// doubt of it.
+TEST(DiskTable, NodesOnTheHorizonAreOffTheDisk) {
+  for (const int size : {51, 69, 71, 79, 99, 101, 201, 251, 401, 501, 999, 1001, 1025}) {
+    const int c = (size - 1) / 2;
+    const DiskGrid grid{size, 1};
+    for (int j = 0; j < size; ++j)
+      for (int i = 0; i < size; ++i) {
+        const int r2 = (i - c) * (i - c) + (j - c) * (j - c);
+        ASSERT_EQ(grid.mz2(j, i) > 0, r2 < c * c) << size << " " << j << " " << i;
+      }
+  }
+}
+
 TEST(DiskTable, ConstantOverPiIsNormalised) {
   DiskTable table = make_disk_table({1025, 1});
   for (int j = 0; j < 1025; ++j)

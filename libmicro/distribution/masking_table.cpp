@@ -1,6 +1,7 @@
 #include "distribution/masking_table.h"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 
 #include "core/parallel.h"
@@ -9,29 +10,24 @@ namespace micro {
 namespace {
 
 constexpr int kAzimuths = 128;    // of the whole turn; opposite ones share a projection
-constexpr int kElevations = 128;  // steps of x = c/(1 + |c|) from −1 to 1, an even number: c = 0 is a node
+constexpr int kElevations = 128;  // steps of x = c/(1 + |c|) from −1 to 0
+constexpr int kNodes = kElevations + 1;
 
-/// c of the node k of x.
+/// c of the node k of x, k > 0.
 double cotangent(int k) {
-  const double x = 2. * k / kElevations - 1;
-  return x / (1 - std::abs(x));
+  return static_cast<double>(k - kElevations) / k;
 }
 
-/// Masses and first moments below each node c_k, of the slopes s along one direction.
+/// Mass and first moment of the slopes s along one direction, in bins of x from −1 to 1.
 struct Marginal {
-  Eigen::ArrayXd mass = Eigen::ArrayXd::Zero(kElevations + 1), moment = mass;
+  std::array<double, 2 * kElevations> mass{}, moment{};
 
   void add(double s, double m) {
     const double x = s / (1 + std::abs(s));
-    const int bin = std::clamp(static_cast<int>((x + 1) * (kElevations / 2)), 0, kElevations - 1);
-    mass[bin + 1] += m;
-    moment[bin + 1] += m * s;
-  }
-  void accumulate() {
-    for (int k = 1; k <= kElevations; ++k) {
-      mass[k] += mass[k - 1];
-      moment[k] += moment[k - 1];
-    }
+    const auto bin =
+        static_cast<std::size_t>(std::clamp(static_cast<int>((x + 1) * kElevations), 0, 2 * kElevations - 1));
+    mass[bin] += m;
+    moment[bin] += m * s;
   }
 };
 
@@ -47,49 +43,68 @@ Marginal project(const SlopePoints& points, double phi) {
     marginal.add(s - spread, half);
     marginal.add(s + spread, half);
   }
-  marginal.accumulate();
   return marginal;
+}
+
+/// Weights of the values before a cell, at its ends and behind it, for the cubic through them.
+std::array<double, 4> cubic_weights(double t) {
+  return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2,
+          (t + 1) * t * (t - 1) / 6};
 }
 
 }  // namespace
 
 MaskingTable::MaskingTable(const SlopeFrame& frame, const SlopePoints& points)
-    : frame_(frame), excess_(kAzimuths, kElevations + 1) {
-  for (const float m : points.mass)
-    mass_ += static_cast<double>(m);
-  // E(c) = ∫(c − s)₊ − mass·max(c, 0): 0 for c → −∞, −∫s for c → ∞. Along −e, s changes its sign.
-  parallel_for(kAzimuths / 2, [&](std::int64_t k) {
-    const Marginal marginal = project(points, 2 * std::numbers::pi * static_cast<double>(k) / kAzimuths);
-    const double all = marginal.mass[kElevations], mean = marginal.moment[kElevations];
-    for (int i = 0; i <= kElevations; ++i) {
-      const bool ends = i == 0 || i == kElevations;
-      const double c = ends ? 0 : cotangent(i);
-      const double below = c * marginal.mass[i] - marginal.moment[i];  // ∫(c − s)₊
-      // ∫(s − c)₊, which is (c' − s')₊ of the opposite direction at c' = −c
-      const double above = (mean - marginal.moment[i]) - c * (all - marginal.mass[i]);
-      const double positive = all * std::max(c, 0.), negative = all * std::max(-c, 0.);
-      excess_(k, i) = i == 0 ? 0 : i == kElevations ? -mean : below - positive;
-      excess_(k + kAzimuths / 2, kElevations - i) = i == kElevations ? 0 : i == 0 ? mean : above - negative;
+    : frame_(frame), flank_(static_cast<std::size_t>(kAzimuths) * kNodes) {
+  for (std::size_t k = 0; k < points.mass.size(); ++k) {
+    const double m = points.mass[k];
+    mass_ += m;
+    mean_ += m * Vec2(points.v1[k], points.v2[k]);
+  }
+  parallel_for(kAzimuths / 2, [&](std::int64_t azimuth) {
+    const Marginal marginal =
+        project(points, 2 * std::numbers::pi * static_cast<double>(azimuth) / kAzimuths);
+    Node* below = &flank_[static_cast<std::size_t>(azimuth) * kNodes];
+    Node* above = &flank_[static_cast<std::size_t>(azimuth + kAzimuths / 2) * kNodes];
+    double mass_below = 0, moment_below = 0, mass_above = 0, moment_above = 0;
+    for (int k = 1; k < kNodes; ++k) {
+      const auto bin = static_cast<std::size_t>(k - 1), mirrored = marginal.mass.size() - 1 - bin;
+      mass_below += marginal.mass[bin];
+      moment_below += marginal.moment[bin];
+      mass_above += marginal.mass[mirrored];
+      moment_above += marginal.moment[mirrored];
+      const double c = cotangent(k), dc = kElevations / static_cast<double>(k) / k;  // ∂c/∂x·(1/kElevations)
+      below[k] = {c * mass_below - moment_below, dc * mass_below};
+      above[k] = {c * mass_above + moment_above, dc * mass_above};
     }
+    for (Node* flank : {below, above})
+      flank[0] = {0, flank[1].value};
   });
 }
 
 double MaskingTable::visible_area(const Vec3& u) const {
   const double a = frame_.l11 * u.x() + frame_.l21 * u.y(), b = frame_.l22 * u.y(),
                z = u.z() - frame_.centre.x() * u.x() - frame_.centre.y() * u.y();
-  const double across = std::sqrt(a * a + b * b), direct = mass_ * std::max(z, 0.);
+  const double across = std::sqrt(a * a + b * b);
+  const double direct = z > 0 ? mass_ * z - mean_.x() * a - mean_.y() * b : 0;
   if (!(across > 0)) return direct;
-  // x = c/(1 + |c|) without dividing by a small `across`.
-  const double x = z / (across + std::abs(z));
-  const double position = (x + 1) * (kElevations / 2);
+  // 1 − |x| = across/(across + |z|) without dividing by a small `across`.
+  const double position = kElevations * (across / (across + std::abs(z)));
   const int i = std::min(static_cast<int>(position), kElevations - 1);
-  double turn = std::atan2(b, a) * (kAzimuths / (2 * std::numbers::pi));
-  turn += turn < 0 ? kAzimuths : 0;
-  const int j = std::min(static_cast<int>(turn), kAzimuths - 1), next = (j + 1) % kAzimuths;
-  const double t = position - i, s = turn - j;
-  const double excess = (1 - s) * ((1 - t) * excess_(j, i) + t * excess_(j, i + 1)) +
-                        s * ((1 - t) * excess_(next, i) + t * excess_(next, i + 1));
-  return std::max(0., across * excess + direct);
+  const double t = position - i, r = 1 - t;
+  double turn = std::atan2(b, a) * (kAzimuths / (2 * std::numbers::pi)) + kAzimuths;
+  if (z > 0) turn += kAzimuths / 2.;
+  const double whole = std::floor(turn);
+  const auto j = static_cast<std::size_t>(whole) + kAzimuths - 1;
+  const std::array<double, 4> weights = cubic_weights(turn - whole);
+  double flank = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Node* node = &flank_[(j + k) % kAzimuths * kNodes + static_cast<std::size_t>(i)];
+    // The cubic of values and derivatives at both ends.
+    flank += weights[k] * (r * r * ((1 + 2 * t) * node[0].value + t * node[0].step) +
+                           t * t * ((1 + 2 * r) * node[1].value - r * node[1].step));
+  }
+  return std::max(0., across * std::max(0., flank) + direct);
 }
 
 }  // namespace micro

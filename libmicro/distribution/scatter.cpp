@@ -45,6 +45,23 @@ WeightedSlopes slopes_of(const TableNodes& nodes, std::size_t stride) {
   return slopes;
 }
 
+/// The columns of each row that lie on the disk.
+struct Columns {
+  Eigen::Index begin, count;
+};
+std::vector<Columns> columns_on_disk(const DiskGrid& grid) {
+  const auto c = static_cast<Eigen::Index>(grid.centre());
+  std::vector<Columns> columns(static_cast<std::size_t>(grid.size));
+  Eigen::Index reach = c;  // columns c − reach … c + reach; it shrinks towards the rim
+  for (Eigen::Index j = c; j < grid.size; ++j) {
+    while (reach >= 0 && !(grid.mz2(j, c + reach) > 0))
+      --reach;
+    const Columns row = {c - std::max<Eigen::Index>(reach, 0), reach < 0 ? 0 : 2 * reach + 1};
+    columns[static_cast<std::size_t>(j)] = columns[static_cast<std::size_t>(2 * c - j)] = row;
+  }
+  return columns;
+}
+
 }  // namespace
 
 SlopeFrame scatter_step(const SlopeFrame& frame, const WeightedSlopes& slopes, double least) {
@@ -81,25 +98,41 @@ TableNodes core_nodes(const DiskTable& table, std::size_t most) {
   const Eigen::Index n = table.grid.size;
   const Grid<double>& density = table.density;
   constexpr double kFaint = 1e-3, kEnough = 0.9;
-  double threshold = kFaint * density.maxCoeff();
-  const auto bright = density >= threshold;
-  Eigen::Index count = bright.count();
-  if (!(bright.select(density, 0.).sum() >= kEnough * density.max(0.).sum())) {
+  const std::vector<Columns> columns = columns_on_disk(table.grid);
+  const auto on_disk = [&](Eigen::Index j) {
+    const Columns& range = columns[static_cast<std::size_t>(j)];
+    return density.row(j).segment(range.begin, range.count);
+  };
+  double peak = 0;
+  for (Eigen::Index j = 0; j < n; ++j)
+    if (on_disk(j).size() > 0) peak = std::max(peak, on_disk(j).maxCoeff());
+  double threshold = kFaint * peak, bright = 0, all = 0;
+  Eigen::Index count = 0, count_all = 0;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const auto row = on_disk(j);
+    count += (row >= threshold).count();
+    count_all += (row > 0).count();
+    bright += (row >= threshold).select(row, 0.).sum();
+    all += row.max(0.).sum();
+  }
+  if (!(bright >= kEnough * all)) {
     threshold = std::numeric_limits<double>::denorm_min();
-    count = (density > 0).count();
+    count = count_all;
   }
   const Eigen::Index room = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(most)),
                      stride = std::max<Eigen::Index>(1, (count + room - 1) / room);
   TableNodes nodes;
+  nodes.least_mz = table.grid.least_mz();
   const auto expected = static_cast<std::size_t>(count / stride + 1);
   for (auto* values : {&nodes.x, &nodes.y, &nodes.density})
     values->reserve(expected);
   // Runs of nodes that hold none of every stride-th are passed over by their count alone.
   constexpr Eigen::Index kRun = 16;
   Eigen::Index to_skip = 0;
-  for (Eigen::Index j = 0; j < n; ++j)
-    for (Eigen::Index begin = 0; begin < n; begin += kRun) {
-      const Eigen::Index length = std::min(kRun, n - begin);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const auto [first, in_row] = columns[static_cast<std::size_t>(j)];
+    for (Eigen::Index begin = first; begin < first + in_row; begin += kRun) {
+      const Eigen::Index length = std::min(kRun, first + in_row - begin);
       const Eigen::Index in_run = (density.row(j).segment(begin, length) >= threshold).count();
       if (in_run <= to_skip) {
         to_skip -= in_run;
@@ -108,17 +141,18 @@ TableNodes core_nodes(const DiskTable& table, std::size_t most) {
       for (Eigen::Index i = begin; i < begin + length; ++i) {
         if (!(density(j, i) >= threshold) || to_skip-- > 0) continue;
         to_skip = stride - 1;
-        if (!(table.grid.mz2(j, i) > 0)) continue;
         nodes.x.push_back(table.grid.coordinate(i));
         nodes.y.push_back(table.grid.coordinate(j));
         nodes.density.push_back(density(j, i));
       }
     }
+  }
   return nodes;
 }
 
 TableNodes strided_nodes(const DiskTable& table, Eigen::Index stride) {
   TableNodes nodes;
+  nodes.least_mz = table.grid.least_mz();
   const Eigen::Index n = table.grid.size, across = (n + stride - 1) / stride;
   for (auto* values : {&nodes.x, &nodes.y, &nodes.density})
     values->reserve(static_cast<std::size_t>(across * across));

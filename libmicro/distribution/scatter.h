@@ -7,9 +7,10 @@
 
 namespace micro {
 
-/// Some nodes of a table: m_x, m_y and density, 1/sr.
+/// Some nodes of a table: m_x, m_y and density, 1/sr; for the last see DiskGrid.
 struct TableNodes {
   std::vector<double> x, y, density;
+  double least_mz = 0;
   std::size_t size() const { return x.size(); }
 };
 

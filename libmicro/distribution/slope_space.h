@@ -51,7 +51,8 @@ struct EllipsoidParameters {
 SlopeFrame slope_frame(const EllipsoidParameters& parameters);
 
 /// The inverse, made unique: the third axis of the ellipsoid is the one nearest n, α_x ≥ α_y, θ_z in (−π/2,
-/// π/2], and 0 where α_x = α_y. Both widths are relative to that third axis.
+/// π/2], and 0 where α_x = α_y. Both widths are relative to that third axis. Axes of one length:
+/// equal_axes.h.
 EllipsoidParameters canonical_parameters(const SlopeFrame& frame);
 
 }  // namespace micro

@@ -18,12 +18,13 @@ namespace {
 
 constexpr std::size_t kScatterNodes = 8192;
 
-/// Is every node of the cell (j, i)…(j+1, i+1) on the disk?
+/// Is every node of the cell (j, i)…(j+1, i+1) on the disk, and half a spacing above its rim? (All that are
+/// on the disk are, at extent 1.)
 bool is_whole(const DiskGrid& grid, Eigen::Index j, Eigen::Index i) {
   const auto far = [&](Eigen::Index k) {
     return 2 * k + 1 >= grid.size ? k + 1 : k;  // the node farther from the axis
   };
-  return grid.mz2(far(j), far(i)) > 0;
+  return grid.mz2(far(j), far(i)) > grid.spacing() * grid.spacing() / 4;
 }
 
 /// The cells that hold mass: rows first_row…, columns first_col….
@@ -58,23 +59,27 @@ double sample_linear(double a, double b, double xi) {
   return a + root > 0 ? std::min(1., xi * (a + b) / (a + root)) : xi;
 }
 
-/// The largest |e·slope − offset| in a cell. On the disk {e·slope ≤ c} is convex for c ≥ 0, so the largest
-/// positive value stands in a corner; what else may lie inside differs from the corners by the second
-/// derivative, at most 3|e|/m_z⁵.
+/// The largest |e·slope − offset| in a cell. The gradient of e·slope on the disk vanishes nowhere, so the
+/// extremes stand in a corner, or on a side: on x = const where (1 − x²)·e_y + x·y·e_x = 0.
 double largest(const DiskGrid& grid, Eigen::Index j, Eigen::Index i, const Vec2& e, double offset) {
-  double low = INFINITY, high = -INFINITY, mz2 = 1;
-  for (const Eigen::Index row : {j, j + 1})
-    for (const Eigen::Index col : {i, i + 1}) {
-      const double z2 = grid.mz2(row, col);
-      const double value = -(e.x() * grid.coordinate(col) + e.y() * grid.coordinate(row)) / std::sqrt(z2);
-      low = std::min(low, value);
-      high = std::max(high, value);
-      mz2 = std::min(mz2, z2);
-    }
-  const double curved = 0.75 * grid.spacing() * grid.spacing() * e.norm() / (mz2 * mz2 * std::sqrt(mz2));
-  low = std::max(std::min(0., low), low - curved);
-  high = std::min(std::max(0., high), high + curved);
-  return std::max(std::abs(low - offset), std::abs(high - offset));
+  const std::array x = {grid.coordinate(i), grid.coordinate(i + 1)},
+                   y = {grid.coordinate(j), grid.coordinate(j + 1)};
+  double most = 0;
+  const auto visit = [&](double mx, double my) {
+    const double value = -(e.x() * mx + e.y() * my) / std::sqrt(1 - mx * mx - my * my);
+    most = std::max(most, std::abs(value - offset));
+  };
+  for (const double mx : x) {
+    const double my = -(1 - mx * mx) * e.y() / (mx * e.x());
+    for (const double end : y)
+      visit(mx, end);
+    if (my > y[0] && my < y[1]) visit(mx, my);
+  }
+  for (const double my : y) {
+    const double mx = -(1 - my * my) * e.x() / (my * e.y());
+    if (mx > x[0] && mx < x[1]) visit(mx, my);
+  }
+  return most;
 }
 
 }  // namespace
@@ -127,6 +132,18 @@ struct Tabulated::State {
     return !(masking().visible_area(u) > kHardly * mass * std::hypot(across.x(), across.y(), up));
   }
 
+  /// D and its derivatives by m_x and m_y times the spacing, at (t, s) of a cell.
+  struct Bilinear {
+    double value, dx, dy;
+  };
+  Bilinear bilinear(Eigen::Index j, Eigen::Index i, double t, double s) const {
+    const double* corner = &table.density(j, i);
+    const double* below = corner + table.grid.size;
+    const double up = (1 - t) * corner[0] + t * corner[1], down = (1 - t) * below[0] + t * below[1];
+    return {(1 - s) * up + s * down, (1 - s) * (corner[1] - corner[0]) + s * (below[1] - below[0]),
+            down - up};
+  }
+
   double D(const Vec3& m) const {
     const DiskGrid& grid = table.grid;
     const double x = (m.x() + grid.extent) / grid.spacing(), y = (m.y() + grid.extent) / grid.spacing();
@@ -135,10 +152,7 @@ struct Tabulated::State {
     const auto i = std::min(static_cast<Eigen::Index>(x), static_cast<Eigen::Index>(grid.size) - 2),
                j = std::min(static_cast<Eigen::Index>(y), static_cast<Eigen::Index>(grid.size) - 2);
     if (!is_whole(grid, j, i)) return 0;
-    const double t = x - static_cast<double>(i), s = y - static_cast<double>(j);
-    const double* corner = &table.density(j, i);
-    const double* below = corner + grid.size;
-    return (1 - s) * ((1 - t) * corner[0] + t * corner[1]) + s * ((1 - t) * below[0] + t * below[1]);
+    return bilinear(j, i, x - static_cast<double>(i), y - static_cast<double>(j)).value;
   }
 
   /// A point of the cell (row, col of the box) with density ∝ D.
@@ -175,9 +189,8 @@ struct Tabulated::State {
     return {std::move(b1), std::move(b2), std::move(along1), std::move(along2)};
   }
 
-  /// The bilinear function as points: each cell in n × n parts, with the part's own variance, (spacing/n)²/12
-  /// along any direction of m_xy. More parts where the table is small, and where slopes change fast within a
-  /// cell: towards the horizon.
+  /// The bilinear function as points: each cell in n × n parts, with the part's own mean and covariance. More
+  /// parts where the table is small, and where slopes change fast within a cell: towards the horizon.
   SlopePoints slope_points() const {
     constexpr double kEnough = 65536, kMostParts = 12;
     const DiskGrid& grid = table.grid;
@@ -193,25 +206,32 @@ struct Tabulated::State {
         const double n = std::ceil(std::clamp(std::max(parts, 8 * h / mz2), 1., kMostParts));
         for (double s = 0.5 / n; s < 1; s += 1 / n)
           for (double t = 0.5 / n; t < 1; t += 1 / n)
-            add_point(points, grid.coordinate(i) + t * h, grid.coordinate(j) + s * h, h / n);
+            add_point(points, {grid.coordinate(i) + t * h, grid.coordinate(j) + s * h}, h / n,
+                      bilinear(j, i, t, s));
       }
     return points;
   }
 
-  void add_point(SlopePoints& points, double x, double y, double width) const {
-    const double z2 = 1 - x * x - y * y, z = std::sqrt(z2), density = D({x, y, z});
-    if (!(density > 0)) return;
+  /// Of a square of a bilinear density: the mean over it is that at its middle, the mean place is width²/12
+  /// of the gradient of ln D away from there, the covariance what that leaves of width²/12.
+  void add_point(SlopePoints& points, const Vec2& middle, double width, const Bilinear& density) const {
+    const auto share = static_cast<float>(density.value * width * width);
+    if (!(share > 0)) return;
+    const double variance = width * width / 12;
+    const Vec2 away = variance / (density.value * table.grid.spacing()) * Vec2(density.dx, density.dy);
+    const double x = middle.x() + away.x(), y = middle.y() + away.y();
+    const double z2 = 1 - x * x - y * y, z = std::sqrt(z2);
     const Vec2 v = frame.whiten({-x / z, -y / z});
     // ∂slope/∂m_xy = −(1 + m_xy·m_xyᵀ/m_z²)/m_z, then L⁻¹.
     const Vec2 sx = Vec2(1 + x * x / z2, x * y / z2) / z, sy = Vec2(x * y / z2, 1 + y * y / z2) / z;
     const Vec2 g1 = sx / frame.l11, g2 = (sy - frame.l21 * g1) / frame.l22;
-    const double variance = width * width / 12;
-    points.mass.push_back(static_cast<float>(density * width * width));
+    const double a1 = away.dot(g1), a2 = away.dot(g2);
+    points.mass.push_back(share);
     points.v1.push_back(static_cast<float>(v.x()));
     points.v2.push_back(static_cast<float>(v.y()));
-    points.spread11.push_back(static_cast<float>(variance * g1.squaredNorm()));
-    points.spread12.push_back(static_cast<float>(variance * g1.dot(g2)));
-    points.spread22.push_back(static_cast<float>(variance * g2.squaredNorm()));
+    points.spread11.push_back(static_cast<float>(variance * g1.squaredNorm() - a1 * a1));
+    points.spread12.push_back(static_cast<float>(variance * g1.dot(g2) - a1 * a2));
+    points.spread22.push_back(static_cast<float>(variance * g2.squaredNorm() - a2 * a2));
   }
 
   std::once_flag masking_once_, plain_once_, visible_once_;

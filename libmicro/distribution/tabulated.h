@@ -8,9 +8,9 @@
 namespace micro {
 
 /// A disk table as a distribution. D is bilinear in m_xy in every cell of four nodes that are all on the
-/// disk, and zero elsewhere: the ring of cells that the horizon cuts is left out. All else follows from that
-/// function: masking is Smith's for its own slopes, samples follow it exactly. ∫ D m_z dω is what the table
-/// holds.
+/// disk, m_z > spacing/2, and zero elsewhere: the ring of cells that the horizon cuts is left out. All else
+/// follows from that function: masking is Smith's for its own slopes, samples follow it exactly. ∫ D m_z dω
+/// is what the table holds.
 ///
 /// Copies share their tables. Masking and sampling tables are made when they are first asked for, from any
 /// thread.

@@ -129,7 +129,8 @@ SlopeFrame peak_start(const TableNodes& core, const SlopeFrame& scatter) {
 }
 
 NodeSpan span_of(const TableNodes& nodes) {
-  return {nodes.x.data(), nodes.y.data(), nodes.density.data(), static_cast<std::int64_t>(nodes.size())};
+  return {nodes.x.data(), nodes.y.data(), nodes.density.data(), static_cast<std::int64_t>(nodes.size()),
+          nodes.least_mz};
 }
 
 /// The best descent on the core's nodes, from the scatter or from the quadric that fits it. Another start is
@@ -281,8 +282,8 @@ Fit conclude(const Descent& end, TableEquations& equations, const DiskTable& tab
   const Canonical canonical = canonical_with_covariance(end.frame, result.step_covariance);
   result.parameters = canonical.parameters;
   result.covariance = canonical.covariance;
-  result.undetermined = canonical.round ? "theta_z: the lobe is round" : "";
-  const std::string barely = barely_known(result.step_covariance);
+  result.undetermined = canonical.meaningless;
+  const std::string barely = barely_known(result.step_covariance).words;
   result.undetermined += (barely.empty() || result.undetermined.empty() ? "" : "; ") + barely;
   // Where the lobe falls between the nodes steps may wander for ever, within a node.
   const bool unresolved = result.nodes_across < kResolved && result.misfit.empty();
@@ -297,6 +298,7 @@ Fit conclude(const Descent& end, TableEquations& equations, const DiskTable& tab
 
 Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
   constexpr double kDamping = 1e-6, kTolerance = 1e-6;
+  constexpr double kKnown = 1;  // width
   if (auto empty = empty_fit(table, model)) return *empty;
   const Descent start = descend_on_strides(descend_on_core(table, model, weighting), table, model, weighting);
   TableEquations equations(table);
@@ -310,6 +312,8 @@ Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
   Fit result =
       conclude(descend(start.frame, kDamping, accuracy, equations_at), equations, table, model, weighting);
   result.iterations += start.iterations;
+  if (result.status == FitStatus::Converged && !(barely_known(result.step_covariance).error <= kKnown))
+    result.status = FitStatus::Undetermined;
   return result;
 }
 

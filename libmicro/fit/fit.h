@@ -11,7 +11,7 @@ namespace micro {
 enum class FitStatus {
   Converged,     ///< a minimum was reached, and the table determines all that it was asked for
   Unresolved,    ///< the lobe is narrower than two nodes: widths are uncertain by about a node
-  Undetermined,  ///< the table leaves a combination of the parameters free
+  Undetermined,  ///< a combination of the parameters is free, or known to no better than a width
   NotConverged,  ///< the steps ran out
   Misfit,        ///< a minimum, but less than half of the energy is where the lobe has it, see `overlap`
   Empty,         ///< the table holds nothing
@@ -22,9 +22,8 @@ std::string_view name_of(FitStatus status);
 struct Fit {
   FitModel model = FitModel::EllipsoidNdf;
   FitStatus status = FitStatus::Empty;
-  SlopeFrame frame;  ///< location and scale in slope space
-  EllipsoidParameters
-      parameters;  ///< the same as canonical widths and angles; θ_z = 0 where the lobe is round
+  SlopeFrame frame;                ///< location and scale in slope space
+  EllipsoidParameters parameters;  ///< the same as canonical widths and angles; angles without meaning are 0
   /// Covariance of (α_x, α_y, θ_x, θ_y, θ_z); NaN in the row and column of what is not determined.
   Matrix5 covariance;
   Matrix5 step_covariance;  ///< covariance of a step δ of the frame, see moved()

@@ -8,6 +8,9 @@
 #include <limits>
 #include <numbers>
 #include <sstream>
+#include <vector>
+
+#include "distribution/equal_axes.h"
 
 namespace micro {
 namespace {
@@ -36,18 +39,67 @@ std::string in_words(Vector5 direction) {
   return text.str();
 }
 
-/// ∂(canonical parameters)/∂δ by central differences; angles by the shorter way round.
-Matrix5 jacobian_of(const SlopeFrame& frame) {
+/// ∂f/∂δ by central differences, f of Rows numbers of a frame.
+template <int Rows, typename F>
+Eigen::Matrix<double, Rows, 5> derivative(const SlopeFrame& frame, F&& change_between) {
   constexpr double kStep = 1e-6;
-  Matrix5 jacobian;
+  Eigen::Matrix<double, Rows, 5> jacobian;
   for (int k = 0; k < 5; ++k) {
     const Vector5 step = kStep * Vector5::Unit(k);
-    Vector5 change = as_vector(canonical_parameters(moved(frame, step))) -
-                     as_vector(canonical_parameters(moved(frame, -step)));
-    change[4] = std::remainder(change[4], std::numbers::pi);
-    jacobian.col(k) = change / (2 * kStep);
+    jacobian.col(k) = change_between(moved(frame, -step), moved(frame, step)) / (2 * kStep);
   }
   return jacobian;
+}
+
+/// The same ellipsoid's parameters nearest to `p`: beyond θ_z = ±π/2 two axes point the other way, and both
+/// other angles change their sign.
+Vector5 nearest(Vector5 parameters, const Vector5& p) {
+  const double turn = parameters[4] - p[4];
+  if (std::abs(turn) <= std::numbers::pi / 2) return parameters;
+  parameters[2] = -parameters[2];
+  parameters[3] = -parameters[3];
+  parameters[4] -= std::copysign(std::numbers::pi, turn);
+  return parameters;
+}
+
+/// Of the canonical parameters.
+Matrix5 jacobian_of(const SlopeFrame& frame, EqualAxes equal) {
+  const Vector5 here = as_vector(canonical_parameters(frame, equal));
+  return derivative<5>(frame, [&](const SlopeFrame& from, const SlopeFrame& to) -> Vector5 {
+    return nearest(as_vector(canonical_parameters(to, equal)), here) -
+           nearest(as_vector(canonical_parameters(from, equal)), here);
+  });
+}
+
+/// Of how far two axes a and b (unit vectors) are from equally long: of ln(|Fa|/|Fb|), and of the cosine
+/// between Fa and Fb. To first order the logarithm of the lengths' ratio is the length of this vector.
+Eigen::Matrix<double, 2, 5> inequality_of(const SlopeFrame& frame, const Vec3& a, const Vec3& b) {
+  const auto inequality = [&](const SlopeFrame& of) -> Vec2 {
+    const Vec3 fa = axes_matrix(of) * a, fb = axes_matrix(of) * b;
+    return {std::log(fa.norm() / fb.norm()), fa.dot(fb) / (fa.norm() * fb.norm())};
+  };
+  return derivative<2>(frame, [&](const SlopeFrame& from, const SlopeFrame& to) -> Vec2 {
+    return inequality(to) - inequality(from);
+  });
+}
+
+/// Which axes are equally long within three standard errors: of the worst combination of what tells them
+/// apart. Errors beyond the first order, of a needle whose length is unknown, call nothing equal. Where not
+/// all three are and either pair might be, it is the pair nearer to it.
+EqualAxes equal_axes(const SlopeFrame& frame, const Matrix5& covariance) {
+  constexpr double kLeast = 1e-6, kErrors = 3, kFarthest = 0.5;
+  const PrincipalAxes axes = principal_axes(frame);
+  const auto away = [&](int a, int b) {
+    const auto jacobian = inequality_of(frame, axes.direction.col(a), axes.direction.col(b));
+    const Eigen::Matrix2d spread = jacobian * covariance * jacobian.transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(spread, Eigen::EigenvaluesOnly);
+    const double error = std::sqrt(std::max(0., solver.eigenvalues()[1]));
+    return std::log(axes.length[a] / axes.length[b]) / std::clamp(kErrors * error, kLeast, kFarthest);
+  };
+  if (away(0, 2) < 1) return EqualAxes::All;
+  const double longest = away(0, 1), shortest = away(1, 2);
+  if (std::min(longest, shortest) >= 1) return EqualAxes::None;
+  return longest < shortest ? EqualAxes::TwoLongest : EqualAxes::TwoShortest;
 }
 
 }  // namespace
@@ -65,45 +117,48 @@ Identified identify(const Matrix5& gram) {
   return result;
 }
 
-std::string barely_known(const Matrix5& step_covariance) {
+BarelyKnown barely_known(const Matrix5& step_covariance) {
   constexpr double kLinear = 0.1;
   const Eigen::SelfAdjointEigenSolver<Matrix5> solver(step_covariance);
   const double error = std::sqrt(std::max(0., solver.eigenvalues()[4]));
-  if (error <= kLinear) return "";
+  if (error <= kLinear) return {error, ""};
   std::ostringstream text;
   text << in_words(solver.eigenvectors().col(4)) << " only to " << std::setprecision(2) << error
        << " widths: errors hold to first order";
-  return text.str();
+  return {error, text.str()};
 }
 
 Canonical canonical_with_covariance(const SlopeFrame& frame, const Matrix5& covariance) {
-  constexpr double kLeast = 1e-6, kErrors = 3;
+  const EqualAxes equal = equal_axes(frame, covariance);
   Canonical result;
-  result.parameters = canonical_parameters(frame);
-  EllipsoidParameters& p = result.parameters;
-  // Away from roundness in slope space are δ_11 − δ_22 and δ_21; the larger one's standard error, or better,
-  // that of the worst combination of the two.
-  Eigen::Matrix<double, 2, 5> away = Eigen::Matrix<double, 2, 5>::Zero();
-  away(0, 2) = 1;
-  away(0, 4) = -1;
-  away(1, 3) = 1;
-  const Eigen::Matrix2d spread = away * covariance * away.transpose();
-  const double error = std::sqrt(std::max(
-      0., Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(spread, Eigen::EigenvaluesOnly).eigenvalues()[1]));
-  result.round = std::log(p.alpha_x / p.alpha_y) < std::max(kLeast, kErrors * error);
-  Matrix5 jacobian = jacobian_of(frame);
-  if (result.round) {
-    const double alpha = std::sqrt(p.alpha_x * p.alpha_y);
-    const SlopeFrame round = slope_frame({alpha, alpha, p.theta_x, p.theta_y, p.theta_z});
-    p = canonical_parameters(round);
-    // Both widths are the mean one; which is the larger is chance.
-    const Eigen::Matrix<double, 1, 5> mean = (jacobian.row(0) + jacobian.row(1)) / 2;
-    jacobian.row(0) = jacobian.row(1) = mean;
+  result.parameters = canonical_parameters(frame, equal);
+  const EllipsoidParameters& p = result.parameters;
+  Matrix5 jacobian = jacobian_of(frame, equal);
+  std::vector<int> lost;  // rows of angles
+  if (equal != EqualAxes::None) {
+    const bool sphere = equal == EqualAxes::All;
+    // A width that equals the third axis is known as well as the ratio of the two.
+    const Eigen::Matrix3d r = rotation(p);
+    if (p.alpha_x == 1) jacobian.row(0) = inequality_of(frame, r.row(0), r.row(2)).row(0);
+    if (p.alpha_y == 1) jacobian.row(1) = inequality_of(frame, r.row(1), r.row(2)).row(0);
+    if (sphere) {
+      result.meaningless = "theta_x, theta_y and theta_z: the ellipsoid is a sphere";
+      lost = {2, 3, 4};
+    } else if (p.alpha_x == p.alpha_y) {
+      result.meaningless = "theta_z: the lobe is round";
+      lost = {4};
+    } else if (p.alpha_y == 1) {
+      result.meaningless = "theta_x: alpha_y equals the third axis, and turning these two changes nothing";
+      lost = {2};
+    } else {
+      result.meaningless = "theta_y: alpha_x equals the third axis, and turning these two changes nothing";
+      lost = {3};
+    }
   }
   result.covariance = jacobian * covariance * jacobian.transpose();
-  if (result.round) {
-    result.covariance.row(4).setConstant(std::numeric_limits<double>::quiet_NaN());
-    result.covariance.col(4).setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (const int row : lost) {
+    result.covariance.row(row).setConstant(std::numeric_limits<double>::quiet_NaN());
+    result.covariance.col(row).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return result;
 }

@@ -16,16 +16,21 @@ struct Identified {
 /// conditioned, all but vanishes along it.
 Identified identify(const Matrix5& gram);
 
-/// The combination of coordinates that a covariance of steps knows worst, in words, if that is to more than a
-/// tenth of a width: then what is left out of the first order, such as the turn of a needle times the unknown
-/// of its centre along it, may exceed the other errors. Empty otherwise.
-std::string barely_known(const Matrix5& step_covariance);
+/// The combination of coordinates that a covariance of steps knows worst.
+struct BarelyKnown {
+  double error;       ///< its standard error, widths
+  std::string words;  ///< of one known to more than a tenth of a width: then what is left out of the first
+                      ///< order, such as the turn of a needle times the unknown of its centre along it, may
+                      ///< exceed the other errors. Empty otherwise
+};
+BarelyKnown barely_known(const Matrix5& step_covariance);
 
-/// Canonical parameters of a frame that is known up to a covariance.
+/// Canonical parameters of a frame that is known up to a covariance. Axes of the ellipsoid whose lengths
+/// agree within three standard errors count as equal, and the angles that then have no meaning are 0.
 struct Canonical {
   EllipsoidParameters parameters;
-  Matrix5 covariance;  ///< of (α_x, α_y, θ_x, θ_y, θ_z)
-  bool round = false;  ///< α_x = α_y within three standard errors: θ_z has no meaning, and is 0
+  Matrix5 covariance;       ///< of (α_x, α_y, θ_x, θ_y, θ_z); NaN for angles without meaning
+  std::string meaningless;  ///< these angles and why, in words; empty if there is none
 };
 Canonical canonical_with_covariance(const SlopeFrame& frame, const Matrix5& step_covariance);
 

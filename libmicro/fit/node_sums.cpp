@@ -84,7 +84,8 @@ NodeSums add_up(const NodeSumInput& in) {
   const Tag d;
   constexpr bool kLog = kWeighting == Weighting::Log;
   const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
-  const V one = hn::Set(d, 1.), zero = hn::Zero(d);
+  const V one = hn::Set(d, 1.), zero = hn::Zero(d), horizon = hn::Set(d, kHorizonMz2);
+  const V least_z = hn::Set(d, in.nodes.least_mz);
   const V tx = hn::Set(d, in.frame.centre.x()), ty = hn::Set(d, in.frame.centre.y()),
           i11 = hn::Set(d, 1 / in.frame.l11), i22 = hn::Set(d, 1 / in.frame.l22),
           l21 = hn::Set(d, in.frame.l21);
@@ -102,10 +103,10 @@ NodeSums add_up(const NodeSumInput& in) {
               y = scattered ? hn::MaskedLoad(inside, d, in.nodes.y + k) : hn::Set(d, in.nodes.y[row]),
               data = hn::MaskedLoad(inside, d, in.nodes.density + row * in.nodes.size + k);
       const V z2 = hn::NegMulAdd(x, x, hn::NegMulAdd(y, y, one));
-      const M on_disk = hn::And(inside, hn::Gt(z2, zero));
+      const M on_disk = hn::And(inside, hn::Gt(z2, horizon));
       const M counts = kLog ? hn::And(on_disk, hn::Ge(data, hn::Set(d, kLeastDensity))) : on_disk;
       const V safe2 = hn::IfThenElse(counts, z2, one), z = hn::Sqrt(safe2);
-      const V weight = hn::IfThenElseZero(counts, hn::Div(one, z));
+      const V weight = hn::IfThenElseZero(counts, hn::Div(one, hn::Max(z, least_z)));
       const V v1 = hn::Mul(hn::MulAdd(tx, z, x), i11);
       const V v2 = hn::Mul(hn::NegMulAdd(l21, v1, hn::MulAdd(ty, z, y)), i22);
       const V v11 = hn::Mul(v1, v1), v22 = hn::Mul(v2, v2), vv = hn::Add(v11, v22);

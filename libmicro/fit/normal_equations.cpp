@@ -68,7 +68,7 @@ NormalEquations TableEquations::over_blocks(Kernel&& kernel) {
   const auto add_rows = [&](std::int64_t begin, std::int64_t end) {
     blocks_[static_cast<std::size_t>(begin / kBlockRows)] =
         kernel({coordinate_.data(), &coordinate_[static_cast<std::size_t>(begin)], &table_.density(begin, 0),
-                n, NodeSpan::Layout::Rows, end - begin});
+                n, table_.grid.least_mz(), NodeSpan::Layout::Rows, end - begin});
   };
   if (n * n < kWorthThreads) {
     for (std::int64_t begin = 0; begin < n; begin += kBlockRows)

@@ -25,7 +25,7 @@ SlopeFrame moved(const SlopeFrame& frame, const Vector5& step);
 
 /// Sums over nodes for a frame: gram·δ = gradient is the Gauss–Newton step.
 struct NormalEquations {
-  Matrix5 gram = Matrix5::Zero();      ///< Σ w·g·gᵀ, g = ∂D/∂δ or ∂ln D/∂δ, w = 1/m_z
+  Matrix5 gram = Matrix5::Zero();  ///< Σ w·g·gᵀ, g = ∂D/∂δ or ∂ln D/∂δ, w = 1/max(m_z, least_mz)
   Vector5 gradient = Vector5::Zero();  ///< Σ w·r·g
   double cost = 0;                     ///< Σ w·r²
   double data = 0;                     ///< Σ w·D_k², or Σ w·(ln D_k)²
@@ -34,10 +34,11 @@ struct NormalEquations {
 };
 
 /// Nodes: m_x, m_y and density, 1/sr. Scattered: `size` of each. Rows: `rows` rows of `size` nodes that share
-/// their m_x, one m_y a row. Nodes off the disk don't count.
+/// their m_x, one m_y a row. Nodes off the disk don't count. `least_mz`: see DiskGrid.
 struct NodeSpan {
   const double *x, *y, *density;
   std::int64_t size;
+  double least_mz;
   enum class Layout { Scattered, Rows } layout = Layout::Scattered;
   std::int64_t rows = 1;
 };

@@ -46,7 +46,7 @@ void add_block(const Block& block, const SlopeFrame& frame, const Radii& radii, 
   const double y = (table.grid.coordinate(j) + table.grid.coordinate(j + rows - 1)) / 2,
                x = (table.grid.coordinate(i) + table.grid.coordinate(i + cols - 1)) / 2,
                z2 = 1 - x * x - y * y;
-  if (!(z2 > 0)) return;
+  if (!(z2 > kHorizonMz2)) return;
   const double z = std::sqrt(z2), v1 = (x + frame.centre.x() * z) / frame.l11,
                v2 = (y + frame.centre.y() * z - frame.l21 * v1) / frame.l22;
   const std::size_t part = part_of(v1, v2, z, radii);

@@ -65,8 +65,9 @@ std::optional<SlopeFrame> solve(const TableNodes& nodes, double unit, const Slop
     const double v1 = (-nodes.x[k] - near.centre.x() * z) * i11,
                  v2 = (-nodes.y[k] - near.centre.y() * z - near.l21 * v1) * i22;
     const Equation equation = equation_of({v1, v2, z}, nodes.density[k] / unit, model, weighting);
-    gram.selfadjointView<Eigen::Lower>().rankUpdate(equation.row, 1 / z);
-    right += equation.value / z * equation.row;
+    const double solid_angle = 1 / std::max(z, nodes.least_mz);
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(equation.row, solid_angle);
+    right += solid_angle * equation.value * equation.row;
   }
   gram = gram.selfadjointView<Eigen::Lower>();
   const Vector6 scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

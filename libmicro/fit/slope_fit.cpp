@@ -171,7 +171,7 @@ Fit fit_slopes(const SlopeBlock& zx, const SlopeBlock& zy) {
   if (result.step_covariance.allFinite()) {
     const Canonical canonical = canonical_with_covariance(result.frame, result.step_covariance);
     result.covariance = canonical.covariance;
-    if (canonical.round) result.undetermined = "theta_z: the lobe is round";
+    result.undetermined = canonical.meaningless;
   }
   return result;
 }
