@@ -20,10 +20,10 @@ TEXT
 
 Extreme parameters of the ellipsoid NDF and of Beckmann (`libmicro/testing/lobe_zoo.cpp`; widths 1e-5 … 1e3, ratios to 1e5,
 tilts to the horizon). Relative distance of D and G1 from the printed formulas in 50 digits, over 200 sampled normals:
-what the last digit of a tilt and of a direction moves is many widths of a needle. Samples: of 10,000 how many lie in
-the half of the lobe nearest to its centre, less half, in standard errors (3.5 is chance). A table of the lobe is fitted: status, and
-the distance of the frame found, in widths in slope space. A table that ends before a needle does, or whose
-nodes are wider than a lobe, cannot tell it, and the status says so.
+the last digit of a tilt or of a direction moves a needle by more of its width. Samples: how many of 10,000 lie in the
+half of the lobe nearest to its centre, less half, in standard errors. A table of the lobe is fitted: status, and the
+distance of the frame found, in widths in slope space. A table that ends before a needle does, or whose nodes are
+wider apart than a lobe, cannot tell it, and the status says so.
 
 TEXT
   build/release/bench/zoo_of_lobes

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
-#include <tuple>
 #include <utility>
 
 #include "core/error.h"
@@ -256,22 +256,37 @@ TEST(Fit, NoisyRandomEllipsoidsAreRecoveredWithinTheirCovariance) {
 }
 
 // Of a needle a hundred times as long as its table hardly anything tells how it is turned: errors are large,
-// far from linear, and said to be so; beyond a width that is no success. What is across it is known as well
+// far from linear, and said to be so. What is across it is known as well
 // as ever.
 TEST(Fit, SaysWhenANeedleIsLongerThanItsTableTells) {
   const SlopeFrame frame = slope_frame({1, 0.0005, 0, 0, 0.6});
-  for (const auto& [noise, told, status] : {std::tuple(0.0, false, FitStatus::Converged),
-                                            {0.02, true, FitStatus::Converged},
-                                            {0.2, true, FitStatus::Undetermined}}) {
+  for (const auto& [noise, told] : {std::pair(0.0, false), {0.02, true}}) {
     DiskTable table = tabulate(Ellipsoid(frame), {97, 0.005});
     const double peak = table.density.maxCoeff();
     for (Eigen::Index k = 0; k < table.density.size(); ++k)
       table.density.data()[k] += noise * peak * random_normal(43, 0, static_cast<std::uint64_t>(k))[0];
     const Fit found = fit(table, FitModel::EllipsoidNdf);
     EXPECT_EQ(found.undetermined.find("first order") != std::string::npos, told) << found.undetermined;
-    EXPECT_EQ(found.status, status) << found.undetermined;
-    EXPECT_NEAR(found.nodes_across, 6.2, 0.2 + 3 * noise);
+    EXPECT_NEAR(found.nodes_across, 6.2, 0.2);
   }
+}
+
+TEST(Fit, WhatIsKnownToNoBetterThanAWidthIsNoSuccess) {
+  const SlopeFrame frame = slope_frame({1, 0.0005, 0, 0, 0.6});
+  int beyond = 0;
+  for (std::uint32_t seed = 0; seed < 4; ++seed)
+    for (const double noise : {0.05, 0.15}) {
+      DiskTable table = tabulate(Ellipsoid(frame), {97, 0.005});
+      const double peak = table.density.maxCoeff();
+      for (Eigen::Index k = 0; k < table.density.size(); ++k)
+        table.density.data()[k] += noise * peak * random_normal(44, seed, static_cast<std::uint64_t>(k))[0];
+      const Fit found = fit(table, FitModel::EllipsoidNdf);
+      const Eigen::SelfAdjointEigenSolver<Matrix5> solver(found.step_covariance, Eigen::EigenvaluesOnly);
+      if (solver.eigenvalues()[4] <= 1) continue;
+      ++beyond;
+      EXPECT_NE(found.status, FitStatus::Converged) << found.undetermined;
+    }
+  EXPECT_GE(beyond, 1);
 }
 
 // Extreme parameters: what is called a success is the lobe, and everything is a number where the table holds
