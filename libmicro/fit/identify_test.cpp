@@ -170,11 +170,14 @@ TEST(Identify, SaysWhichAnglesOfSpheroidsAreMeaningless) {
     for (int k = 0; k < 5; ++k) {
       const bool is_lost = std::find(lost.begin(), lost.end(), k) != lost.end();
       EXPECT_EQ(std::isnan(canonical.covariance(k, k)), is_lost) << canonical.meaningless << " " << k;
-      if (is_lost) EXPECT_EQ(angles[k], 0) << canonical.meaningless << " " << k;
       // Errors of 1e-4 of a width; the width itself is up to 4, and a turn moves it by one over its
       // difference.
-      if (!is_lost) EXPECT_LE(canonical.covariance(k, k), 1e-8 * 100) << canonical.meaningless << " " << k;
-      if (!is_lost) EXPECT_GE(canonical.covariance(k, k), 1e-8 / 100) << canonical.meaningless << " " << k;
+      if (is_lost) {
+        EXPECT_EQ(angles[k], 0) << canonical.meaningless << " " << k;
+      } else {
+        EXPECT_LE(canonical.covariance(k, k), 1e-8 * 100) << canonical.meaningless << " " << k;
+        EXPECT_GE(canonical.covariance(k, k), 1e-8 / 100) << canonical.meaningless << " " << k;
+      }
     }
   }
 }
