@@ -45,6 +45,7 @@ void combine(const CoefficientTable<Real>& table, const ColumnPair<Real>& column
   using V = hn::Vec<Tag<Real>>;
   const auto lanes = static_cast<int>(hn::Lanes(d));
   const Real kx2 = static_cast<Real>(static_cast<double>(kx) * kx);
+  const bool of_nodes = table.kind == CoefficientTable<Real>::Entries::OfNodes;
   const auto to_entry = hn::Set(d, static_cast<Real>(table.per_q)),
              low = hn::Set(d, static_cast<Real>(table.low));
   for (int ky = 0; ky <= field.half; ky += lanes) {
@@ -54,8 +55,8 @@ void combine(const CoefficientTable<Real>& table, const ColumnPair<Real>& column
         hn::NegMulAdd(hn::Set(d, static_cast<Real>(step * step)), k2, hn::Set(d, static_cast<Real>(sphere)));
     if (hn::AllTrue(d, hn::Le(qz2, hn::Zero(d)))) break;
     const auto qz = hn::Sqrt(hn::Max(qz2, hn::Zero(d)));
-    const auto position = hn::Min(hn::Max(hn::Mul(hn::Sub(qz, low), to_entry), hn::Zero(d)),
-                                  hn::Set(d, static_cast<Real>(table.entries - 1)));
+    const auto place = of_nodes ? k2 : hn::Max(hn::Mul(hn::Sub(qz, low), to_entry), hn::Zero(d));
+    const auto position = hn::Min(place, hn::Set(d, static_cast<Real>(table.entries - 1)));
     const auto whole = hn::Min(hn::Floor(position), hn::Set(d, static_cast<Real>(table.entries - 2)));
     const auto t = hn::Sub(position, whole);
     const auto index = hn::ShiftLeft<2>(hn::ConvertTo(di, whole));

@@ -7,12 +7,14 @@
 
 namespace micro {
 
-/// c_k(q_z) on equidistant q_z, for linear interpolation, halved, two terms k = 2f, 2f+1 for each field f:
-/// [fields, entries, 4] = (Re c_2f, Im c_2f, Re c_2f+1, Im c_2f+1)/2.
+/// c_k(q_z), halved, two terms k = 2f, 2f+1 for each field f: [fields, entries, 4] = (Re c_2f, Im c_2f,
+/// Re c_2f+1, Im c_2f+1)/2. Entries are equidistant in q_z, for linear interpolation, or one for each
+/// k_x² + k_y² that occurs, which is less on small tables under great heights.
 template <typename Real>
 struct CoefficientTable {
+  enum class Entries { Equidistant, OfNodes } kind = Entries::Equidistant;
   double low = 0;    ///< rad/µm, q_z of entry 0
-  double per_q = 0;  ///< entries per rad/µm
+  double per_q = 0;  ///< entries per rad/µm, where they are equidistant
   int entries = 0;   ///< ≥ 2
   int fields = 0;
   FftVector<Real> data;

@@ -1,5 +1,6 @@
 #include "kirchhoff/disk_geometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -50,8 +51,8 @@ WaveRange wave_range(double radius, const DiskGrid& grid) {
   return {radius * std::sqrt(1 - sine * sine), radius};
 }
 
-FacetPhases facet_phases(double radius, const DiskGrid& grid) {
-  return {radius, grid.outermost_sine()};
+FacetPhases facet_phases(double radius, const DiskGrid& grid, double basis_tolerance) {
+  return {radius, grid.outermost_sine(), std::clamp(basis_tolerance / 60, 1e-9, 1e-5)};
 }
 
 SpectralWork disk_work(const DiskGeometry& g, const HeightField& surface, const SpectralChoice& choice,

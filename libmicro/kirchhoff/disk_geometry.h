@@ -25,9 +25,10 @@ struct DiskGeometry {
 DiskGeometry make_disk_geometry(const HeightField& surface, const DiskGrid& grid, double lambda_q,
                                 const SpectralChoice& choice);
 
-/// Of the nodes on a table, at |q| = `radius` rad/µm: their q_z, and what phases on a facet turn with.
+/// Of the nodes on a table, at |q| = `radius` rad/µm: their q_z, and what phases on a facet turn with, to be
+/// integrated so well that an expansion of ψ to `basis_tolerance` does not feel it.
 WaveRange wave_range(double radius, const DiskGrid& grid);
-FacetPhases facet_phases(double radius, const DiskGrid& grid);
+FacetPhases facet_phases(double radius, const DiskGrid& grid, double basis_tolerance);
 
 /// What so many terms of a lattice and of its steep facets take.
 SpectralWork disk_work(const DiskGeometry& g, const HeightField& surface, const SpectralChoice& choice,

@@ -42,10 +42,31 @@ int function_entries(double reach) {
   return static_cast<int>(std::min(std::ceil(2 * reach / kPhaseStep), kMost)) + 16;
 }
 
-int coefficient_entries(double reach, double tolerance) {
+/// The q_z of the entries of a table of c_k.
+template <typename Real>
+struct CoefficientEntries {
+  typename CoefficientTable<Real>::Entries kind;
+  double step;  ///< between equidistant ones, rad/µm
+  Eigen::ArrayXd qz;
+};
+
+template <typename Real>
+CoefficientEntries<Real> coefficient_entries(const DiskGeometry& g, const WaveRange& q, double reach,
+                                             double tolerance) {
+  using Kind = typename CoefficientTable<Real>::Entries;
   // The error of linear interpolation is (phase step)²/8: with the most entries 2e-6 for heights of ±50 µm.
   constexpr double kMostEntries = 1 << 18;
-  return static_cast<int>(std::ceil(std::min(reach / std::sqrt(8 * tolerance / 10), kMostEntries))) + 16;
+  const double wanted = std::ceil(std::min(reach / std::sqrt(8 * tolerance / 10), kMostEntries)) + 16;
+  // k_x² + k_y² of nodes on the disk
+  const double squares = 2 * std::pow(g.half, 2), on_disk = std::floor(g.sphere / (g.step * g.step));
+  if (const double most = std::min(squares, on_disk) + 2; most <= wanted) {
+    const auto n = static_cast<Eigen::Index>(most);
+    const Eigen::ArrayXd k2 = Eigen::ArrayXd::LinSpaced(n, 0, most - 1);
+    return {Kind::OfNodes, 0, (g.sphere - g.step * g.step * k2).max(q.low * q.low).sqrt()};
+  }
+  const double step = std::max(q.high - q.low, 1e-9 * q.high) / (wanted - 1);
+  return {Kind::Equidistant, step,
+          Eigen::ArrayXd::LinSpaced(static_cast<Eigen::Index>(wanted), q.low, q.low + step * (wanted - 1))};
 }
 
 /// Terms of one pass. `term_bytes`, `term_tables`: of one term's spectra, and of its tables while they are
@@ -91,18 +112,19 @@ FunctionTable<Real> make_function_table(const HeightBasis& basis, const HeightHi
 }
 
 template <typename Real>
-CoefficientTable<Real> make_coefficient_table(const HeightBasis& basis, const WaveRange& q,
-                                              const Batch& batch, double tolerance) {
+CoefficientTable<Real> make_coefficient_table(const HeightBasis& basis,
+                                              const CoefficientEntries<Real>& entries, const Batch& batch) {
   CoefficientTable<Real> table;
-  table.entries = coefficient_entries(basis.phase_reach(), tolerance);
-  table.low = q.low;
-  table.per_q = (table.entries - 1) / std::max(q.high - q.low, 1e-9 * q.high);
+  table.kind = entries.kind;
+  table.entries = static_cast<int>(entries.qz.size());
+  table.low = entries.qz[0];
+  table.per_q = entries.step > 0 ? 1 / entries.step : 0;
   table.fields = batch.fields();
   table.data.assign(static_cast<std::size_t>(table.fields) * table.entries * 4, 0);
-  const Eigen::ArrayXXcd c = basis.coefficients(table.entries, batch.first, batch.count);
+  const Eigen::ArrayXXcd c = basis.coefficients(entries.qz, batch.first, batch.count);
   for (int k = 0; k < batch.terms(); ++k)
     for (int e = 0; e < table.entries; ++e) {
-      const std::complex<double> value = k < batch.count ? c(e, k) : q.low + e / table.per_q;
+      const std::complex<double> value = k < batch.count ? c(e, k) : entries.qz[e];
       Real* at = &table.data[(static_cast<std::size_t>(k / 2) * table.entries + e) * 4 + k % 2 * 2];
       at[0] = static_cast<Real>(value.real() / 2);
       at[1] = static_cast<Real>(value.imag() / 2);
@@ -311,7 +333,7 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
   const HeightField& surface = window.surface;
   kirchhoff_area(surface);
   const double area = effective_area(window);
-  QuadratureLattice all(surface, choice.subdivision, window.taper, choice.steepest);
+  QuadratureLattice all(surface, choice.subdivision, window.taper, choice.steepest, choice.highest);
   const DiskGeometry g = make_disk_geometry(surface, grid, lambda_q, choice);
   const GriddingKernel kernel(choice.kernel_width, static_cast<double>(g.length) / grid.size, g.pitch);
   const HeightHistogram heights = height_histogram(surface);
@@ -323,18 +345,18 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
   const HeightBasis basis(heights, 0, q, choice.basis_tolerance * scale);
 
   DiskDensity result;
-  const FacetPhases phases = facet_phases(radius, grid);
-  const SteepFacets steep = find_steep_facets(all, phases);
-  result.work = disk_work(g, surface, choice, steep.points(), basis.terms() + (all.complete() ? 0 : 1));
-  const int entries = coefficient_entries(basis.phase_reach(), choice.basis_tolerance);
+  const LeftOut left_out(all, facet_phases(radius, grid, choice.basis_tolerance));
+  result.work = disk_work(g, surface, choice, left_out.points(), basis.terms() + (all.complete() ? 0 : 1));
+  const auto entries = coefficient_entries<Real>(g, q, basis.phase_reach(), choice.basis_tolerance);
   const std::int64_t padded_rows = (g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup;
   const std::int64_t term_bytes = (2 * g.half + 1) * padded_rows * static_cast<std::int64_t>(sizeof(Real));
   const std::int64_t term_tables = 2 * std::int64_t{sizeof(double) + sizeof(Real)} *
-                                   (std::int64_t{function_entries(basis.phase_reach())} + entries);
+                                   (std::int64_t{function_entries(basis.phase_reach())} + entries.qz.size());
   const int most = terms_at_once(term_bytes, term_tables);
-  result.work.recurrences = std::ceil(static_cast<double>(basis.terms()) / most) * basis.recurrences(entries);
+  result.work.recurrences = std::ceil(static_cast<double>(basis.terms()) / most) *
+                            basis.recurrences(static_cast<int>(entries.qz.size()));
   check_work(result.work, static_cast<double>(grid.size) * grid.size, surface, lambda_q);
-  const SurfaceQuadrature quadrature(std::move(all), steep, phases);
+  const SurfaceQuadrature quadrature(std::move(all), left_out);
   const QuadratureLattice& lattice = quadrature.lattice;
 
   const ComplexFft<Real> fft({1, g.length, 1}, FftDirection::Forward);
@@ -348,15 +370,15 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
       make_gather<Real>(kernel, lattice.dx(), 1, 2, lattice.cols() / 2, g.x_begin, g.x_end);
   problem.gather_y = make_gather<Real>(kernel, lattice.dy(), 0, 1, lattice.rows(), g.y_begin, g.y_end);
   problem.scatter_x = make_scatter<Real>(kernel, lattice.dx(), lattice.cols(), g.x_begin, g.x_end);
-  problem.steep =
-      make_point_scatter<Real>(quadrature.steep, {kernel, g.x_begin, g.x_end}, {kernel, g.y_begin, g.y_end});
+  const ScatterAxis x = {kernel, g.x_begin, g.x_end}, y = {kernel, g.y_begin, g.y_end};
+  problem.steep = make_point_scatter<Real>(quadrature.steep, x, y);
+  problem.steep_rim = make_rim_scatter<Real>(quadrature.steep_rim, x, y);
 
   clear_field(g, memory.field);
   result.work.transforms = 0;
   for (const Batch& batch : make_batches(basis.terms(), !lattice.complete(), most)) {
     const FunctionTable<Real> functions = make_function_table<Real>(basis, heights, batch, g.sphere);
-    const CoefficientTable<Real> coefficients =
-        make_coefficient_table<Real>(basis, q, batch, choice.basis_tolerance);
+    const CoefficientTable<Real> coefficients = make_coefficient_table<Real>(basis, entries, batch);
     problem.functions = &functions;
     RowSpectra<Real> spectra{padded_rows, batch.fields(), memory.spectra};
     const auto size = static_cast<std::size_t>((2 * g.half + 1) * spectra.fields * spectra.padded_rows);
@@ -367,7 +389,7 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
     result.work.bytes = std::max<std::int64_t>(
         result.work.bytes, static_cast<std::int64_t>(size * sizeof(std::complex<Real>) +
                                                      8 * memory.field.quadrants[0].re.size() * sizeof(Real)) +
-                               batch.terms() * term_tables + quadrature.bytes() + problem.steep.bytes());
+                               batch.terms() * term_tables + quadrature.bytes() + problem.point_bytes());
   }
   result.table = finish(g, grid, kernel, memory.field, lattice, area);
   return result;

@@ -91,15 +91,20 @@ struct Draw {
   bool even;
 };
 
-/// `count` nodes by importance.
+/// `count` nodes by importance: each measure's in strata of equal weight, which scatter less than drawn
+/// freely.
 std::vector<Draw> draw_nodes(const NodeWeights& weights, const RowSums& sums, int count, std::uint64_t seed) {
   // A table that lies in the core altogether lacks one measure.
   std::vector<int> turn;
   for (int measure = 0; static_cast<int>(turn.size()) < count; measure = (measure + 1) % kMeasures)
     if (sums.total(measure) > 0) turn.push_back(measure);
+  std::array<int, kMeasures> strata{}, stratum{};
+  for (const int measure : turn)
+    ++strata[measure];
   std::vector<Draw> draws;
   for (int n = 0; n < count; ++n) {
-    const double u = random_uniform(seed, kStream, static_cast<std::uint64_t>(n))[0];
+    const double within = random_uniform(seed, kStream, static_cast<std::uint64_t>(n))[0];
+    const double u = (stratum[turn[n]]++ + within) / strata[turn[n]];
     const Node node = find_node(weights, sums, turn[n], u);
     const auto w = weights(node.j, node.i);
     double probability = 0;

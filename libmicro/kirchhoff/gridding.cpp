@@ -114,13 +114,15 @@ GriddingKernelTable::GriddingKernelTable(const GriddingKernel& kernel)
   }
 }
 
-double GriddingKernelTable::operator()(double x) const {
+GriddingKernel::Value GriddingKernelTable::operator()(double x) const {
   const double position = std::abs(x) * per_length_;
   const auto n = static_cast<std::size_t>(position);
-  if (!(position < static_cast<double>(entries_.size() - 1))) return 0;
+  if (!(position < static_cast<double>(entries_.size() - 1))) return {0, 0};
   const double t = position - static_cast<double>(n), s = 1 - t;
   const Entry &a = entries_[n], &b = entries_[n + 1];
-  return s * s * ((1 + 2 * t) * a.k + t * a.slope) + t * t * ((3 - 2 * t) * b.k - s * b.slope);
+  const double slope = 6 * s * t * (b.k - a.k) + s * (s - 2 * t) * a.slope + t * (t - 2 * s) * b.slope;
+  return {s * s * ((1 + 2 * t) * a.k + t * a.slope) + t * t * ((3 - 2 * t) * b.k - s * b.slope),
+          (x < 0 ? -slope : slope) * per_length_};
 }
 
 }  // namespace micro

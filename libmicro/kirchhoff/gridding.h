@@ -58,11 +58,12 @@ template <typename Real>
 ScatterTable<Real> make_scatter(const GriddingKernel& kernel, double spacing, std::int64_t sources,
                                 std::int64_t begin, std::int64_t end);
 
-/// K by cubic Hermite interpolation, to 1e-9, for points too many for its series.
+/// K by cubic Hermite interpolation, to 1e-9, for points too many for its series; dK/dx is the interpolant's,
+/// to 1e-6 of 1/half width.
 class GriddingKernelTable {
  public:
   explicit GriddingKernelTable(const GriddingKernel& kernel);
-  double operator()(double x) const;  ///< at distance x in µm
+  GriddingKernel::Value operator()(double x) const;  ///< at distance x in µm
 
  private:
   struct Entry {

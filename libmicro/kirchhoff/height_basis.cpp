@@ -34,10 +34,9 @@ Eigen::MatrixXd chebyshev_transform(int n) {
   });
 }
 
-/// [n, degree] T_k at n equidistant points of [−1, 1].
-Eigen::MatrixXd chebyshev_values(int n, Eigen::Index degree) {
-  Eigen::MatrixXd t(n, degree);
-  const Eigen::ArrayXd x = Eigen::ArrayXd::LinSpaced(n, -1, 1);
+/// [points, degree] T_k at points of [−1, 1].
+Eigen::MatrixXd chebyshev_values(const Eigen::ArrayXd& x, Eigen::Index degree) {
+  Eigen::MatrixXd t(x.size(), degree);
   t.col(0).setOnes();
   if (degree > 1) t.col(1) = x;
   for (Eigen::Index k = 2; k < degree; ++k)
@@ -247,21 +246,26 @@ HeightBasis::Functions HeightBasis::polynomials(int n, int first, int count) con
     for (std::int64_t e = begin; e < end; ++e) {
       const double angle = std::acos(std::clamp(-1 + step * static_cast<double>(e), -1.0, 1.0)),
                    sine = std::sin(angle);
-      for (int c = 0; c < count; ++c) {
+      const Complex turn = std::polar(1.0, angle);
+      Complex at = std::polar(1.0, first * angle);  // e^{ikθ}, T_k(cos θ) = cos kθ
+      for (int c = 0; c < count; ++c, at *= turn) {
         const double k = first + c;
         const double end_slope = e == 0 && (first + c) % 2 == 0 ? -k * k : k * k;
-        f.value(e, c) = std::cos(k * angle);
-        f.derivative(e, c) = step * (e == 0 || e == n - 1 ? end_slope : k * std::sin(k * angle) / sine);
+        f.value(e, c) = at.real();
+        f.derivative(e, c) = step * (e == 0 || e == n - 1 ? end_slope : k * at.imag() / sine);
       }
     }
   });
   return f;
 }
 
-Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
+Eigen::ArrayXXcd HeightBasis::coefficients(const Eigen::ArrayXd& qz, int first, int count) const {
+  const Eigen::Index n = qz.size();
   Eigen::ArrayXXcd c(n, count);
   if (!chebyshev_) {
-    const Eigen::MatrixXd t = chebyshev_values(n, coefficient_series_re_.rows());
+    const double middle = (q_.high + q_.low) / 2, half = std::max((q_.high - q_.low) / 2, 1e-300);
+    const Eigen::MatrixXd t =
+        chebyshev_values(((qz - middle) / half).max(-1).min(1), coefficient_series_re_.rows());
     c.real() = (t * coefficient_series_re_.middleCols(first, count)).array();
     c.imag() = (t * coefficient_series_im_.middleCols(first, count)).array();
     return c;
@@ -270,8 +274,7 @@ Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
   const Complex powers[4] = {1.0, {0, -1}, -1.0, {0, 1}};
   parallel_blocks(n, 256, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t e = begin; e < end; ++e) {
-      const double q =
-          std::max(q_.low + (q_.high - q_.low) * static_cast<double>(e) / (n - 1), 1e-7 * q_.high);
+      const double q = std::max(qz[e], 1e-7 * q_.high);
       const std::vector<double> j = bessel_series(q * half_, first + count);
       const Complex shift = std::polar(1.0, -q * (centre_ - origin_));
       for (int k = 0; k < count; ++k) {
@@ -281,6 +284,10 @@ Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
     }
   });
   return c;
+}
+
+Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
+  return coefficients(Eigen::ArrayXd::LinSpaced(n, q_.low, q_.high), first, count);
 }
 
 double expected_terms(const HeightHistogram& heights, const WaveRange& q, double tolerance) {

@@ -49,7 +49,9 @@ class HeightBasis {
   };
   Functions functions(int n, int first, int count) const;
 
-  /// [n, count] c_k at n ≥ 2 equidistant q_z from q.low to q.high.
+  /// [n, count] c_k at q_z within the range.
+  Eigen::ArrayXXcd coefficients(const Eigen::ArrayXd& qz, int first, int count) const;
+  /// The same at n ≥ 2 equidistant q_z from q.low to q.high.
   Eigen::ArrayXXcd coefficients(int n, int first, int count) const;
   /// Steps of the Bessel functions' recurrences in that; none where the φ_k are orthonormal.
   double recurrences(int n) const { return chebyshev_ ? static_cast<double>(n) * terms_ : 0; }

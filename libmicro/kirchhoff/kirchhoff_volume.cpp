@@ -90,18 +90,17 @@ void fill_with_kirchhoff(const HeightField& surface, double tol, DensityVolume& 
   const double radius = std::hypot(q_x, q_y, q.high);
   const DiskGrid outline = {3, std::max(q_x, q_y) / radius};
   const SpectralChoice choice = choose_spectral(surface, outline, 4 * pi / radius, tol);
-  QuadratureLattice all(surface, choice.subdivision, {}, choice.steepest);
+  QuadratureLattice all(surface, choice.subdivision, {}, choice.steepest, choice.highest);
   const SpectrumAxis x = make_axis(patch.side_x, grid.step_x, grid.reach_x, choice.kernel_width),
                      y = make_axis(patch.side_y, grid.step_y, grid.reach_y, choice.kernel_width);
   const double tolerance = choice.basis_tolerance * std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
   const HeightBasis basis(heights, 0, q, tolerance);
   const bool complete = all.complete();
-  const FacetPhases phases = facet_phases(radius, outline);
-  const SteepFacets steep = find_steep_facets(all, phases);
-  check_work(spectra_work(surface, choice, x, y, steep.points(), basis.terms() + (complete ? 0 : 1)),
+  const LeftOut left_out(all, facet_phases(radius, outline, choice.basis_tolerance));
+  check_work(spectra_work(surface, choice, x, y, left_out.points(), basis.terms() + (complete ? 0 : 1)),
              static_cast<double>(grid.size()), surface, 4 * pi / radius);
   const NestedTerms terms(basis, q, tolerance);
-  const SurfaceQuadrature quadrature(std::move(all), steep, phases);
+  const SurfaceQuadrature quadrature(std::move(all), left_out);
   const TermBatch batch = {0, terms.terms(), !complete};
   const std::int64_t spectra_bytes =
       std::int64_t{std::max(batch.terms(), 1)} * TermSpectra<float>::bytes_per_term(x, y);

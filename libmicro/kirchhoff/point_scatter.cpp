@@ -22,7 +22,8 @@ void fill_taps(const ScatterAxis& axis, const GriddingKernelTable& kernel, doubl
     const std::int64_t m = first + static_cast<std::int64_t>(t);
     const double distance = static_cast<double>(axis.begin + m) * axis.kernel.pitch() - place;
     const double factor = axis.factor.empty() ? 1 : axis.factor[static_cast<std::size_t>(m)];
-    taps[t] = static_cast<Real>(factor * kernel(distance));
+    const GriddingKernel::Value value = kernel(distance);
+    taps[t] = static_cast<Real>(factor * (axis.by == SpreadBy::Kernel ? value.k : value.slope));
   }
 }
 
@@ -46,7 +47,7 @@ PointScatter<Real> make_point_scatter(std::span<const SurfacePoint> points, cons
   scatter.col.resize(count);
   scatter.row.resize(count);
   scatter.z.resize(count);
-  scatter.area.resize(count);
+  scatter.weight.resize(count);
   scatter.x.resize(count * taps);
   scatter.y.resize(count * taps);
   const GriddingKernelTable kernel_x(x.kernel), kernel_y(y.kernel);
@@ -57,7 +58,7 @@ PointScatter<Real> make_point_scatter(std::span<const SurfacePoint> points, cons
       scatter.col[n] = first_point(x, point.x, scatter.taps);
       scatter.row[n] = row[order[n]];
       scatter.z[n] = point.z;
-      scatter.area[n] = point.area;
+      scatter.weight[n] = point.weight;
       fill_taps(x, kernel_x, point.x, scatter.col[n], std::span(&scatter.x[n * taps], taps));
       fill_taps(y, kernel_y, point.y, scatter.row[n], std::span(&scatter.y[n * taps], taps));
     }

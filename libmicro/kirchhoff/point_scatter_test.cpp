@@ -51,7 +51,7 @@ void expect_shifted_spectra(const std::vector<double>& factor_x) {
   ASSERT_EQ(scatter.size(), points.size());
   for (std::size_t n = 0; n < scatter.size(); ++n) {
     const SurfacePoint& point = points[static_cast<std::size_t>(scatter.z[n])];  // its height tells which
-    EXPECT_EQ(scatter.area[n], point.area);
+    EXPECT_EQ(scatter.weight[n], point.weight);
     EXPECT_GE(scatter.row[n], n > 0 ? scatter.row[n - 1] : 0);
     EXPECT_GE(scatter.col[n], 0);
     EXPECT_LE(scatter.col[n] + scatter.taps, kEndX - kBegin);

@@ -9,11 +9,12 @@
 namespace micro {
 
 QuadratureLattice::QuadratureLattice(const HeightField& surface, int subdivision, Grid<float> taper,
-                                     double steepest)
+                                     double steepest, double highest)
     : surface_(surface),
       taper_(std::move(taper)),
       refinement_(2 * subdivision),
       steepest_(steepest),
+      highest_(highest),
       third_(static_cast<float>(surface.dx * surface.dy / 2 / subdivision / subdivision / 3)),
       lower_(Grid<std::uint8_t>::Zero(surface.rows() - 1, surface.cols() - 1)),
       upper_(lower_) {
@@ -25,6 +26,14 @@ QuadratureLattice::QuadratureLattice(const HeightField& surface, int subdivision
       (is_lower ? lower_ : upper_)(j, triangle.a.x()) = leaves_out(triangle) ? kSteep : kGentle;
     });
   complete_ = taper_.size() == 0 && (lower_ != 0).all() && (upper_ != 0).all();
+}
+
+std::array<RimEdge, 3> QuadratureLattice::edges(Eigen::Index j, Eigen::Index i) const {
+  const auto dx = static_cast<float>(surface_.dx), dy = static_cast<float>(surface_.dy);
+  const float diagonal = diagonal_edge(j, i);
+  return {RimEdge{j, i, j, i + 1, 0, row_edge(j, i) * dx},
+          {j, i, j + 1, i, column_edge(j, i) * dy, 0},
+          {j, i, j + 1, i + 1, diagonal * dy, -diagonal * dx}};
 }
 
 void QuadratureLattice::fill(std::int64_t l, LatticeRow& row) const {
@@ -53,24 +62,24 @@ void QuadratureLattice::fill_vertex_row(Eigen::Index j, LatticeRow& row) const {
     const float above = lower(j, i), below = upper(j - 1, i);
     const float area = (lower_area(j, i) + upper_area(j - 1, i)) * third_;
     if (above == 0 && below == 0) continue;
+    const float rim = kept_row_edge(j, i);
     for (int a = 1; a < r; ++a) {
-      const float t = static_cast<float>(a) / static_cast<float>(r);
-      row.z[i * r + a] = z[i] + t * (z[i + 1] - z[i]);
+      const double t = static_cast<double>(a) / r;
+      row.z[i * r + a] = z[i] + t * (static_cast<double>(z[i + 1]) - z[i]);
       if (a % 2 == 1) row.area[i * r + a] = area;
     }
-    if (above != below)
+    if (rim != 0)
       for (int a = 0; a <= r; ++a)
-        row.ny[i * r + a] += (below - above) * dx * simpson(a);
+        row.ny[i * r + a] += rim * dx * simpson(a);
   }
   // At the vertices: ends of the vertical and diagonal edges of the rim that meet there.
   const float end = simpson(0);
   for (Eigen::Index i = 0; i < surface_.cols(); ++i) {
     for (const Eigen::Index cell : {j, j - 1}) {
-      row.nx[i * r] += (lower(cell, i - 1) - upper(cell, i)) * dy * end;
-      const Eigen::Index k = cell == j ? i : i - 1;
-      const float under = lower(cell, k), over = upper(cell, k);
-      row.nx[i * r] += (over - under) * dy * end;
-      row.ny[i * r] += (under - over) * dx * end;
+      const float column = kept_column_edge(cell, i);
+      const float diagonal = kept_diagonal_edge(cell, cell == j ? i : i - 1);
+      row.nx[i * r] += (column + diagonal) * dy * end;
+      row.ny[i * r] -= diagonal * dx * end;
     }
     if (row.nx[i * r] != 0 || row.ny[i * r] != 0) row.z[i * r] = z[i];
   }
@@ -79,35 +88,38 @@ void QuadratureLattice::fill_vertex_row(Eigen::Index j, LatticeRow& row) const {
 void QuadratureLattice::fill_inner_row(Eigen::Index j, int b, LatticeRow& row) const {
   const auto dx = static_cast<float>(surface_.dx), dy = static_cast<float>(surface_.dy);
   const int r = refinement_;
-  const float v = static_cast<float>(b) / static_cast<float>(r);
-  const float* z0 = &surface_.z(j, 0);
-  const float* z1 = &surface_.z(j + 1, 0);
+  const double v = static_cast<double>(b) / r;
+  const float* row0 = &surface_.z(j, 0);
+  const float* row1 = &surface_.z(j + 1, 0);
+  const auto z0 = [row0](Eigen::Index i) { return static_cast<double>(row0[i]); };
+  const auto z1 = [row1](Eigen::Index i) { return static_cast<double>(row1[i]); };
   const float along = simpson(b);
   for (Eigen::Index i = 0; i < surface_.cols(); ++i) {
     const float right = upper(j, i), left = lower(j, i - 1);
     if (right > 0 || left > 0) {
-      row.z[i * r] = z0[i] + v * (z1[i] - z0[i]);
+      row.z[i * r] = z0(i) + v * (z1(i) - z0(i));
       if (b % 2 == 1) row.area[i * r] = (upper_area(j, i) + lower_area(j, i - 1)) * third_;
-      row.nx[i * r] = (left - right) * dy * along;
+      row.nx[i * r] = kept_column_edge(j, i) * dy * along;
     }
     const float under = lower(j, i), over = upper(j, i);
     const float under_area = lower_area(j, i) * third_, over_area = upper_area(j, i) * third_;
     if (under == 0 && over == 0) continue;
-    row.z[i * r + b] = z0[i] + v * (z1[i + 1] - z0[i]);
+    row.z[i * r + b] = z0(i) + v * (z1(i + 1) - z0(i));
     if (b % 2 == 1) row.area[i * r + b] = under_area + over_area;
-    row.nx[i * r + b] = (over - under) * dy * along;
-    row.ny[i * r + b] = (under - over) * dx * along;
+    const float diagonal = kept_diagonal_edge(j, i);
+    row.nx[i * r + b] = diagonal * dy * along;
+    row.ny[i * r + b] = -diagonal * dx * along;
     if (r == 2) continue;
     if (over_area > 0)
       for (int a = 1; a < b; ++a) {
-        const float u = static_cast<float>(a) / static_cast<float>(r);
-        row.z[i * r + a] = z0[i] + v * (z1[i] - z0[i]) + u * (z1[i + 1] - z1[i]);
+        const double u = static_cast<double>(a) / r;
+        row.z[i * r + a] = z0(i) + v * (z1(i) - z0(i)) + u * (z1(i + 1) - z1(i));
         if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * over_area;
       }
     if (under_area > 0)
       for (int a = b + 1; a < r; ++a) {
-        const float u = static_cast<float>(a) / static_cast<float>(r);
-        row.z[i * r + a] = z0[i] + u * (z0[i + 1] - z0[i]) + v * (z1[i + 1] - z0[i + 1]);
+        const double u = static_cast<double>(a) / r;
+        row.z[i * r + a] = z0(i) + u * (z0(i + 1) - z0(i)) + v * (z1(i + 1) - z0(i + 1));
         if (a % 2 == 1 || b % 2 == 1) row.area[i * r + a] = 2 * under_area;
       }
   }

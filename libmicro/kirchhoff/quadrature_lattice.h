@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -12,7 +14,7 @@ namespace micro {
 
 /// One row of quadrature points at equal y. Points without any weight have z = 0.
 struct LatticeRow {
-  std::vector<float> z;       ///< µm
+  std::vector<double> z;      ///< µm
   std::vector<float> area;    ///< µm²: ∫ f dxdy ≈ Σ area·f
   std::vector<float> nx, ny;  ///< µm: ∮ f n dl ≈ Σ (nx, ny)·f over the rim and the edges of holes
   std::vector<int> rim;       ///< indices of points with nx or ny ≠ 0, ascending
@@ -20,9 +22,15 @@ struct LatticeRow {
 
 /// One quadrature point anywhere on the surface.
 struct SurfacePoint {
-  double x, y;  ///< µm
-  float z;      ///< µm
-  float area;   ///< µm²
+  double x, y, z;  ///< µm
+  float weight;    ///< µm² of area, µm along a rim
+};
+
+/// An edge of the triangulation from one vertex to a neighbour, and its part in integrals along rims.
+struct RimEdge {
+  Eigen::Index j, i, to_j, to_i;  ///< rows and columns of its ends
+  float nx, ny;  ///< µm: its normal, as long as the edge, out of a cell of weight 1; 0 where neither cell is
+                 ///< there or both weigh the same
 };
 
 /// Quadrature of the triangulated surface (height/triangles.h) on a regular lattice `subdivision`·2 times as
@@ -30,18 +38,25 @@ struct SurfacePoint {
 /// its three edges (exact for quadratics); each edge of the rim, holes included, by as many Simpson rules. A
 /// missing triangle just does not contribute, so missing data cost no accuracy. A taper (coherence.h) weighs
 /// the cells; where neighbours differ, their common edge belongs to the rim with the difference of weights.
-/// Triangles steeper than `steepest` are left out of the area, though not of the rim: steep_facets.h has
-/// them.
+/// What turns too fast for the lattice is left out: from the area triangles steeper than `steepest`
+/// (steep_facets.h has them), from the rim edges that rise by more than `highest` (steep_rim.h).
 class QuadratureLattice {
  public:
   QuadratureLattice(const HeightField& surface, int subdivision, Grid<float> taper = {},
-                    double steepest = std::numeric_limits<double>::infinity());
+                    double steepest = std::numeric_limits<double>::infinity(),
+                    double highest = std::numeric_limits<double>::infinity());
 
   const HeightField& surface() const { return surface_; }
   double steepest() const { return steepest_; }  ///< slope
+  double highest() const { return highest_; }    ///< µm
   bool leaves_out(const Triangle& triangle) const {
     return triangle.zx * triangle.zx + triangle.zy * triangle.zy > steepest_ * steepest_;
   }
+  bool leaves_out(const RimEdge& edge) const {
+    return std::abs(surface_.z(edge.to_j, edge.to_i) - surface_.z(edge.j, edge.i)) > highest_;
+  }
+  /// The three edges that begin at a vertex: along the row, along the column, diagonal.
+  std::array<RimEdge, 3> edges(Eigen::Index j, Eigen::Index i) const;
   /// The taper at a cell's triangles.
   float cell_weight(Eigen::Index j, Eigen::Index i) const { return taper_.size() ? taper_(j, i) : 1; }
   int refinement() const { return refinement_; }  ///< lattice points per grid pitch
@@ -62,7 +77,23 @@ class QuadratureLattice {
   void fill_inner_row(Eigen::Index j, int b, LatticeRow& row) const;
   /// What is known of a triangle.
   enum State : std::uint8_t { kMissingTriangle = 0, kGentle = 1, kSteep = 2 };
-  /// Weight of a triangle's rim, 0 where none is.
+  /// What edges (j, i) → (j, i+1), (j+1, i) and (j+1, i+1) count with, of normals along y, x and (x, −y): the
+  /// difference of the weights on either side.
+  float row_edge(Eigen::Index j, Eigen::Index i) const { return upper(j - 1, i) - lower(j, i); }
+  float column_edge(Eigen::Index j, Eigen::Index i) const { return lower(j, i - 1) - upper(j, i); }
+  float diagonal_edge(Eigen::Index j, Eigen::Index i) const { return upper(j, i) - lower(j, i); }
+  /// The same, 0 where the edge is left out.
+  float kept(float weight, Eigen::Index j, Eigen::Index i, Eigen::Index to_j, Eigen::Index to_i) const {
+    return weight == 0 || leaves_out(RimEdge{j, i, to_j, to_i, 0, 0}) ? 0 : weight;
+  }
+  float kept_row_edge(Eigen::Index j, Eigen::Index i) const { return kept(row_edge(j, i), j, i, j, i + 1); }
+  float kept_column_edge(Eigen::Index j, Eigen::Index i) const {
+    return kept(column_edge(j, i), j, i, j + 1, i);
+  }
+  float kept_diagonal_edge(Eigen::Index j, Eigen::Index i) const {
+    return kept(diagonal_edge(j, i), j, i, j + 1, i + 1);
+  }
+  /// Weight of a triangle, 0 where none is.
   float lower(Eigen::Index j, Eigen::Index i) const { return weight(lower_, j, i); }
   float upper(Eigen::Index j, Eigen::Index i) const { return weight(upper_, j, i); }
   float weight(const Grid<std::uint8_t>& cells, Eigen::Index j, Eigen::Index i) const {
@@ -86,7 +117,7 @@ class QuadratureLattice {
   Grid<float> taper_;  ///< of the cells; 0×0: 1
   int refinement_;
   bool complete_;
-  double steepest_;
+  double steepest_, highest_;
   float third_;  ///< a third of a sub-triangle's area, µm²
   Grid<std::uint8_t> lower_, upper_;
 };

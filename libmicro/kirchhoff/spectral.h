@@ -54,14 +54,12 @@ KirchhoffTable spectral_table(const HeightField& surface, const DiskGrid& grid, 
 SpectralChoice choose_spectral(const HeightField& surface, const DiskGrid& grid, double lambda_q, double tol);
 
 /// The next finer choice for a table whose error is `excess` times what it may be: the quadrature's error
-/// falls as the fourth power of the subdivision, aliases more slowly. The same one if there is none.
+/// falls as the fourth power of the subdivision, aliases more slowly; beyond the finest lattice every facet
+/// is integrated for itself. The same one if there is none.
 SpectralChoice refine(SpectralChoice choice, double excess);
 
-/// Nodes whose exact values take some 15 % of a table's time: by operation counts, so that they are always
-/// the same.
+/// Nodes whose exact values take some 15 % of a table's time, more on small surfaces: by operation counts, so
+/// that they are always the same.
 int checked_nodes(const HeightField& surface, const DiskGrid& grid, const SpectralWork& work);
-
-/// Whether a tolerance takes double precision.
-bool sums_in_double(double tol);
 
 }  // namespace micro

@@ -103,6 +103,30 @@ TEST(SpectralTable, TablesOfAnySizeAndScale) {
   expect_right(rough, {65, 1}, 1e6, 1e-3);                                        // a metre
 }
 
+// The border crosses a cliff, and a hole lies in another: their edges turn by hundreds of radians.
+TEST(SpectralTable, CliffsThatMeetTheBorder) {
+  HeightField step = grid_surface(3, 13, 0.2, 0.2, [](auto, auto i) { return i > 6 ? 20.0 : 0.0; });
+  step.z(0, 6) = kMissing;
+  expect_right(step, {17, 1}, kLambda, 1e-4);
+}
+
+// Little light leaves in these directions: rounding of the bright ones must not drown it.
+TEST(SpectralTable, TablesWithoutTheirLobe) {
+  const HeightField stairs =
+      grid_surface(29, 11, 0.11, 0.2, [](auto j, auto i) { return 0.84 * static_cast<double>((i + j) % 3); });
+  expect_right(with_missing(stairs, 0.05, 1), {49, 0.22}, kLambda, 3e-4);
+  const HeightField tilt =
+      grid_surface(30, 5, 1.1, 1.1, [](auto j, auto) { return -1.07 * static_cast<double>(j); });
+  expect_right(tilt, {17, 0.08}, 0.1744, 3e-4);
+}
+
+// c_k at the nodes themselves: fewer than a table for interpolation would have.
+TEST(SpectralTable, SmallTablesOfGreatHeights) {
+  const HeightField ramp =
+      grid_surface(23, 7, 0.096, 0.096, [](auto j, auto) { return -0.445 * static_cast<double>(j); });
+  expect_right(ramp, {17, 1}, kLambda, 1e-5);
+}
+
 TEST(SpectralTable, RefusesWhatCannotBe) {
   const HeightField surface = make_gaussian_surface({.rows = 8, .cols = 8}, 1);
   EXPECT_THROW(spectral_table(surface, {65, 1}, kLambda, 0), InputError);
@@ -271,6 +295,14 @@ TEST(ErrorSample, TakesEveryNodeOfASmallTable) {
   const ErrorSample sample = sample_error(surface, table, kLambda, 1e-4, 25, 1);
   EXPECT_EQ(sample.nodes, 25);  // the corners lie at 0.99
   EXPECT_NEAR(sample.error(), 0.01 * peak / table.density.matrix().norm(), 1e-5 * peak);
+}
+
+// A checker of a nanometre's steps: of the energy next to nothing lies outside the core, and the dozen nodes
+// that a large scan affords would not find its error of two tolerances.
+TEST(ErrorSample, SeesTheTailOfASmallSmoothSurface) {
+  const HeightField checker = grid_surface(
+      12, 28, 0.1286, 0.1286, [](auto j, auto i) { return (i / 5 + j / 2) % 2 == 0 ? 0.0 : 0.0068; });
+  expect_right(checker, {33, 1}, kLambda, 1e-3);
 }
 
 TEST(ErrorSample, Pools) {

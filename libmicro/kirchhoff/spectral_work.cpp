@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "kirchhoff/disk_geometry.h"
 #include "kirchhoff/spread.h"
+#include "kirchhoff/surface_quadrature.h"
 
 namespace micro {
 namespace {
@@ -75,11 +76,11 @@ SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lam
   constexpr double kMostTerms = 1e6;
   const HeightField& surface = window.surface;
   const double radius = 4 * std::numbers::pi / lambda_q;
-  const QuadratureLattice lattice(surface, choice.subdivision, window.taper, choice.steepest);
+  const QuadratureLattice lattice(surface, choice.subdivision, window.taper, choice.steepest, choice.highest);
   const double terms =
       expected_terms(height_histogram(surface), wave_range(radius, grid), choice.basis_tolerance);
   return disk_work(make_disk_geometry(surface, grid, lambda_q, choice), surface, choice,
-                   find_steep_facets(lattice, facet_phases(radius, grid)).points(),
+                   LeftOut(lattice, facet_phases(radius, grid, choice.basis_tolerance)).points(),
                    std::max(1, static_cast<int>(std::min(terms, kMostTerms))) + (lattice.complete() ? 0 : 1));
 }
 

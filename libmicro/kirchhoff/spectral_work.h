@@ -9,14 +9,19 @@
 
 namespace micro {
 
+/// What sums and transforms are kept in.
+enum class Sums { Single, Double };
+
 /// How finely a table is computed. Every one of them only trades time for error.
 struct SpectralChoice {
   double basis_tolerance = 1e-3;  ///< of ψ's expansion, relative: see height_basis.h
   int subdivision = 1;            ///< of the triangles (quadrature_lattice.h) …
   /// … but for those of a greater slope (steep_facets.h).
   double steepest = std::numeric_limits<double>::infinity();
-  int kernel_width = 6;        ///< of gridding, in grid points
-  double oversampling = 1.25;  ///< of the transform over the table, at least
+  double highest = std::numeric_limits<double>::infinity();  ///< µm: edges of the rim of a greater rise, too
+  int kernel_width = 6;                                      ///< of gridding, in grid points
+  double oversampling = 1.25;                                ///< of the transform over the table, at least
+  Sums sums = Sums::Single;
   bool operator==(const SpectralChoice&) const = default;
 };
 
@@ -27,7 +32,7 @@ struct SpectralWork {
   std::int64_t transforms = 0;    ///< complex transforms of fft_length numbers, rows and columns
   std::int64_t bytes = 0;         ///< of memory held at most, without the table
   double spread = 0;              ///< multiply-adds that take the sources to the grid, about
-  std::int64_t steep_points = 0;  ///< on facets that the lattice leaves out
+  std::int64_t steep_points = 0;  ///< on facets and edges that the lattice leaves out
   double recurrences = 0;         ///< steps of those that give c_k(q_z) of great heights (height_basis.h)
 };
 

@@ -300,7 +300,7 @@ SpectrumDensity transform_spectrum(const HeightField& surface, const DiskGrid& g
                                    SpectrumMemory<Real>& memory) {
   assert(!lambda_q.empty());
   const double area = kirchhoff_area(surface), radius = 4 * pi / lambda_q.front();
-  QuadratureLattice all(surface, choice.subdivision, {}, choice.steepest);
+  QuadratureLattice all(surface, choice.subdivision, {}, choice.steepest, choice.highest);
   const Axes axes = make_axes(surface, grid, lambda_q.front(), choice);
   const auto& [x, y] = axes;
   const HeightHistogram heights = height_histogram(surface);
@@ -310,17 +310,16 @@ SpectrumDensity transform_spectrum(const HeightField& surface, const DiskGrid& g
   const double tolerance = choice.basis_tolerance * std::min(1 / radius, std::sqrt(surface.dx * surface.dy));
   const HeightBasis basis(heights, 0, q, tolerance);
   const bool complete = all.complete();
-  const FacetPhases phases = facet_phases(radius, grid);
-  const SteepFacets steep = find_steep_facets(all, phases);
+  const LeftOut left_out(all, facet_phases(radius, grid, choice.basis_tolerance));
   const double nodes = static_cast<double>(grid.size) * grid.size * static_cast<double>(lambda_q.size());
   SpectrumDensity result;
-  result.work = spectra_work(surface, choice, x, y, steep.points(), basis.terms() + (complete ? 0 : 1));
+  result.work = spectra_work(surface, choice, x, y, left_out.points(), basis.terms() + (complete ? 0 : 1));
   const Passes passes =
       plan_passes<Real>(basis, complete, lambda_q.size(), grid, axes, choice.basis_tolerance);
   result.work.recurrences = passes.recurrences;
   check_work(result.work, nodes, surface, lambda_q.front());
   const NestedTerms terms(basis, q, tolerance);
-  const SurfaceQuadrature quadrature(std::move(all), steep, phases);
+  const SurfaceQuadrature quadrature(std::move(all), left_out);
   const double plate = complete ? 1 : 0, to_density = kirchhoff_density(1, area);
 
   result.tables.resize(lambda_q.size());

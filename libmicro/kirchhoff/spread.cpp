@@ -39,8 +39,8 @@ struct Interpolation {
 };
 
 template <typename Real>
-HWY_INLINE Interpolation<Real> locate(const FunctionTable<Real>& table, float z, Real factor) {
-  const double position = (static_cast<double>(z) - table.low) * table.per_height;
+HWY_INLINE Interpolation<Real> locate(const FunctionTable<Real>& table, double z, Real factor) {
+  const double position = (z - table.low) * table.per_height;
   const int index = std::clamp(static_cast<int>(position), 0, table.entries - 2);
   const Real t = static_cast<Real>(position - index), s = 1 - t;
   return {table.data.data() + std::int64_t{index} * 2 * table.padded, factor * s * s * (1 + 2 * t),
@@ -253,28 +253,38 @@ void spread_batch(RowSpreader<Real>& s, std::int64_t first, std::int64_t last) {
   }
 }
 
-/// Adds the points of steep facets whose first grid row is `entry` or, if they are still to be spread, an
-/// earlier one.
+/// What a point is a source of: Q²·area·φ_k, or on the rim −n·φ_k.
 template <typename Real>
-void spread_steep(RowSpreader<Real>& s, std::int64_t entry) {
+void evaluate_point(const SpreadProblem<Real>& p, const PointScatter<Real>& points, std::size_t n,
+                    SpreadSources sources, Real* out) {
+  const Lanes<Real> d;
+  const FunctionTable<Real>& table = *p.functions;
+  const bool rim = sources == SpreadSources::Rim;
+  const Real factor = rim ? Real(-1) : static_cast<Real>(p.q_squared);
+  const auto at = locate<Real>(table, points.z[n], factor * static_cast<Real>(points.weight[n]));
+  for (int k = 0; k < table.padded; k += static_cast<int>(hn::Lanes(d))) {
+    const auto phi = interpolate(at, table.padded, k);
+    hn::StoreU(rim ? hn::Mul(phi, hn::LoadU(d, &table.on_rim[k])) : phi, d, out + k);
+  }
+}
+
+/// Adds the points from the `next` on whose first grid row is `entry` or, if they are still to be spread, an
+/// earlier one; returns the one that then is next. `sources`: the area's or the rim's.
+template <typename Real>
+std::size_t spread_points(RowSpreader<Real>& s, std::int64_t entry, const PointScatter<Real>& points,
+                          SpreadSources sources, std::size_t next) {
   const Lanes<Real> d;
   const int step = static_cast<int>(hn::Lanes(d));
-  const SpreadProblem<Real>& p = s.problem;
-  const PointScatter<Real>& points = p.steep;
-  const int padded = p.functions->padded, taps = points.taps;
-  const auto q_squared = static_cast<Real>(p.q_squared);
+  const int padded = s.problem.functions->padded, taps = points.taps;
   if (s.sources.size() < static_cast<std::size_t>(padded)) s.sources.resize(static_cast<std::size_t>(padded));
   Real* phi = s.sources.data();
-  for (; s.next_steep < points.size() && points.row[s.next_steep] <= entry; ++s.next_steep) {
-    const std::size_t n = s.next_steep;
-    const std::int64_t row = points.row[n];
+  for (; next < points.size() && points.row[next] <= entry; ++next) {
+    const std::int64_t row = points.row[next];
     if (row + taps <= entry) continue;
-    const auto at = locate<Real>(*p.functions, points.z[n], q_squared * static_cast<Real>(points.area[n]));
-    for (int k = 0; k < padded; k += step)
-      hn::StoreU(interpolate(at, padded, k), d, phi + k);
-    const Real *kx = &points.x[n * taps], *ky = &points.y[n * taps];
+    evaluate_point(s.problem, points, next, sources, phi);
+    const Real *kx = &points.x[next * taps], *ky = &points.y[next * taps];
     for (int j = static_cast<int>(std::max<std::int64_t>(entry - row, 0)); j < taps; ++j) {
-      Real* to = s.open_row(row + j) + std::int64_t{points.col[n]} * padded;
+      Real* to = s.open_row(row + j) + std::int64_t{points.col[next]} * padded;
       for (int i = 0; i < taps; ++i, to += padded) {
         const auto weight = hn::Set(d, kx[i] * ky[j]);
         for (int k = 0; k < padded; k += step)
@@ -282,6 +292,19 @@ void spread_steep(RowSpreader<Real>& s, std::int64_t entry) {
       }
     }
   }
+  return next;
+}
+
+/// The points of what the lattice leaves out.
+template <typename Real>
+void spread_steep(RowSpreader<Real>& s, std::int64_t entry) {
+  const SpreadProblem<Real>& p = s.problem;
+  if (p.sources != SpreadSources::Rim)
+    s.next_steep = spread_points(s, entry, p.steep, SpreadSources::Area, s.next_steep);
+  if (p.sources == SpreadSources::Area) return;
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    s.next_steep_rim[axis] =
+        spread_points(s, entry, p.steep_rim[axis], SpreadSources::Rim, s.next_steep_rim[axis]);
 }
 
 template <typename Real>
@@ -297,7 +320,7 @@ void spread_row(RowSpreader<Real>& s, std::int64_t m) {
     spread_batch(s, s.next, last);
     s.next = last;
   }
-  if (s.problem.sources != SpreadSources::Rim) spread_steep(s, entry);
+  spread_steep(s, entry);
 }
 
 }  // namespace
@@ -338,7 +361,9 @@ std::int64_t reached_rows(const GatherTable<Real>& y) {
 
 template <typename Real>
 RowSpreader<Real>::RowSpreader(const SpreadProblem<Real>& p)
-    : problem(p), open_rows(std::max<std::int64_t>(reached_rows(p.gather_y), p.steep.taps)) {
+    : problem(p),
+      open_rows(std::max<std::int64_t>(reached_rows(p.gather_y),
+                                       std::max({p.steep.taps, p.steep_rim[0].taps, p.steep_rim[1].taps}))) {
   const double sources_per_col =
       static_cast<double>(p.lattice->cols()) / static_cast<double>(std::max<std::int64_t>(p.grid_cols, 1));
   const double col_bytes =

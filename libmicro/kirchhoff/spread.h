@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "core/fft.h"
@@ -29,9 +30,8 @@ enum class SpreadSources { AreaAndRim, Area, Rim };
 
 /// What is spread onto the grid that the Fourier transforms read, for every term k at once:
 ///   g_k(x) = Q² Σ_v area_v φ_k(h_v) K(x − v) − Σ_v φ_k(h_v) (n_v·∇K)(x − v),
-/// v over the lattice and, for the area, over the points of the facets that it leaves out,
-/// so that its spectrum is Q² Î[φ_k] − i ∮ (q_⊥·n) φ_k e^{−iq_⊥·x} dl, times the kernel's own: area and rim
-/// together.
+/// v over the lattice and over the points of the facets and of the rim that it leaves out, so that its
+/// spectrum is Q² Î[φ_k] − i ∮ (q_⊥·n) φ_k e^{−iq_⊥·x} dl, times the kernel's own: area and rim together.
 template <typename Real>
 struct SpreadProblem {
   const QuadratureLattice* lattice;
@@ -41,8 +41,10 @@ struct SpreadProblem {
   std::int64_t row_begin;  ///< grid row of the first entry of gather_y
   GatherTable<Real> gather_x, gather_x_odd, gather_y;
   ScatterTable<Real> scatter_x;
-  PointScatter<Real> steep;  ///< of steep_facets.h
+  PointScatter<Real> steep;                     ///< of steep_facets.h
+  std::array<PointScatter<Real>, 2> steep_rim;  ///< of steep_rim.h, by the kernel's slope along x, along y
   SpreadSources sources = SpreadSources::AreaAndRim;
+  std::int64_t point_bytes() const { return steep.bytes() + steep_rim[0].bytes() + steep_rim[1].bytes(); }
 };
 
 /// Lattice rows that are spread together.
@@ -72,6 +74,7 @@ class RowSpreader {
   FftVector<Real> open;        ///< [open_rows, grid_cols, padded] entry e in slot e % open_rows
   std::int64_t next = 0;       ///< first lattice row not yet spread
   std::size_t next_steep = 0;  ///< first of the steep facets' points not yet spread
+  std::array<std::size_t, 2> next_steep_rim = {};  ///< the same of the steep rim's
 };
 
 }  // namespace micro

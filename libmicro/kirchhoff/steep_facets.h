@@ -10,12 +10,10 @@ namespace micro {
 
 /// What a facet's phase e^{−iq·s} turns with.
 struct FacetPhases {
-  double q = 0;          ///< |q|, rad/µm
-  double sin_theta = 1;  ///< of the outermost direction
+  double q = 0;             ///< |q|, rad/µm
+  double sin_theta = 1;     ///< of the outermost direction
+  double tolerance = 1e-5;  ///< of rules that integrate it (gauss_rule.h)
 };
-
-/// So many points of a Gauss–Legendre rule integrate e^{iφt}, 0 ≤ t ≤ 1, to some 1e-5.
-int gauss_points(double phase);
 
 /// The facets that a lattice leaves out (QuadratureLattice), and how many points their quadrature takes.
 struct SteepFacets {

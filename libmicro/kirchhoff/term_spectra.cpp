@@ -112,12 +112,15 @@ std::int64_t padded_rows_of(const SpectrumAxis& y) {
   return (y.points() + kRowGroup - 1) / kRowGroup * kRowGroup;
 }
 
+/// Fills in the points of what the lattice leaves out.
 template <typename Real>
-PointScatter<Real> scatter_steep(const SurfaceQuadrature& quadrature, const SpectrumAxis& x,
-                                 const SpectrumAxis& y) {
+void scatter_steep(const SurfaceQuadrature& quadrature, const SpectrumAxis& x, const SpectrumAxis& y,
+                   SpreadProblem<Real>& area, SpreadProblem<Real>& rim) {
   const std::vector<double> factor_x = preparation(x), factor_y = preparation(y);
-  return make_point_scatter<Real>(quadrature.steep, {x.gridding, x.begin, x.end, factor_x},
-                                  {y.gridding, y.begin, y.end, factor_y});
+  const ScatterAxis along_x = {x.gridding, x.begin, x.end, factor_x},
+                    along_y = {y.gridding, y.begin, y.end, factor_y};
+  area.steep = make_point_scatter<Real>(quadrature.steep, along_x, along_y);
+  rim.steep_rim = make_rim_scatter<Real>(quadrature.steep_rim, along_x, along_y);
 }
 
 /// Index of a point in a transform whose origin is the surface's middle.
@@ -199,8 +202,8 @@ void TermSpectra<Real>::transform_rows(const SurfaceQuadrature& quadrature,
   rim.sources = SpreadSources::Rim;
   SpreadProblem<Real> area = rim;
   area.sources = SpreadSources::Area;
-  area.steep = scatter_steep<Real>(quadrature, x_, y_);
-  source_bytes_ = quadrature.bytes() + area.steep.bytes();
+  scatter_steep(quadrature, x_, y_, area, rim);
+  source_bytes_ = quadrature.bytes() + area.point_bytes() + rim.point_bytes();
   parallel_blocks(padded_rows_ / kRowGroup, kBandGroups, [&](std::int64_t begin, std::int64_t end) {
     RowSpreader<Real> spread_area(area), spread_rim(rim);
     const std::int64_t row_size = x_.points() * padded_;
