@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 
 #include "core/parallel.h"
 #include "core/random.h"
@@ -17,6 +19,11 @@ const SlopeFrame kFrame = slope_frame({0.4, 0.2, 0.3, -0.2, 0.5});
 
 double density(const SlopeFrame& frame, FitModel model, const Vec3& m) {
   return model == FitModel::EllipsoidNdf ? Ellipsoid(frame).D(m) : Beckmann(frame).D(m);
+}
+
+/// 1/m_z, but no more than its mean over a cell that ends at the horizon, (2/spacing)^½.
+double literal_weight(const DiskGrid& grid, double mz) {
+  return std::min(1 / mz, std::sqrt(2 / grid.spacing()));
 }
 
 /// The sums as their definition says, derivatives by central differences.
@@ -37,7 +44,8 @@ NormalEquations literal(const DiskTable& table, FitModel model, Weighting weight
                 in_scale(density(moved(kFrame, -step), model, m))) /
                (2 * kStep);
       }
-      const double w = 1 / m.z(), r = in_scale(data) - in_scale(density(kFrame, model, m));
+      const double w = literal_weight(table.grid, m.z());
+      const double r = in_scale(data) - in_scale(density(kFrame, model, m));
       sums.gram += w * g * g.transpose();
       sums.gradient += w * r * g;
       sums.cost += w * r * r;
@@ -88,8 +96,9 @@ TEST(NormalEquations, ScatteredNodesAreThoseOfTheTable) {
     }
   TableEquations equations(table);
   const NormalEquations all = equations(kFrame, FitModel::EllipsoidNdf, Weighting::SolidAngle),
-                        scattered = normal_equations({x.data(), y.data(), d.data(), 31 * 31}, kFrame,
-                                                     FitModel::EllipsoidNdf, Weighting::SolidAngle);
+                        scattered =
+                            normal_equations({x.data(), y.data(), d.data(), 31 * 31, table.grid.least_mz()},
+                                             kFrame, FitModel::EllipsoidNdf, Weighting::SolidAngle);
   EXPECT_NEAR(all.cost, scattered.cost, 1e-12 * all.cost);
   EXPECT_LE((all.gram - scattered.gram).norm(), 1e-12 * all.gram.norm());
 }
@@ -122,7 +131,8 @@ TEST(NormalEquations, ResidualGramIsTheLiteralSum) {
         g[k] = (Ellipsoid(moved(kFrame, 1e-5 * Vector5::Unit(k))).D(m) -
                 Ellipsoid(moved(kFrame, -1e-5 * Vector5::Unit(k))).D(m)) /
                2e-5;
-      const double w = 1 / m.z(), r = table.density(j, i) - model.D(m);
+      const double w = literal_weight(table.grid, m.z());
+      const double r = table.density(j, i) - model.D(m);
       expected += w * w * r * r / (1 - w * g.dot(inverse * g)) * g * g.transpose();
     }
   const Matrix5 sums =
