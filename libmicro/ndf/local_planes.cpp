@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/error.h"
+#include "core/large_pages.h"
 #include "core/parallel.h"
 #include "ndf/gaussian_passes.h"
 #include "ndf/plane_fits.h"
@@ -106,8 +107,11 @@ class LocalPlanes {
         holes_(surface) {}
 
   SlopeField fit() {
-    slopes_.zx.resize(rows(), cols());
-    slopes_.zy.resize(rows(), cols());
+    for (Grid<double>* slope : {&slopes_.zx, &slopes_.zy}) {
+      slope->resize(rows(), cols());
+      // A strip of columns lies on a small page of its own for each row of a large scan.
+      prefer_large_pages(slope->data(), sizeof(double) * static_cast<std::size_t>(slope->size()));
+    }
     std::atomic<Eigen::Index> without_normal = 0;
     const std::int64_t strips = (cols() + kColumns - 1) / kColumns;
     parallel_for(strips, [&](std::int64_t strip) { without_normal += fit_strip(strip * kColumns); });
