@@ -55,7 +55,7 @@ double spectral_seconds(const Window& window, const DiskGrid& grid, const Kirchh
   const double nodes = static_cast<double>(grid.size) * grid.size,
                points = static_cast<double>(surface.z.size());
   const double table = table_seconds(work, nodes, costs.spectral);
-  return table * (choice.sums == Sums::Double ? 2 : 1) + costs.spectral_surface * points +
+  return table + costs.spectral_surface * points +
          costs.exact_triangle * 2 * points * checked_nodes(surface, grid, work);
 }
 

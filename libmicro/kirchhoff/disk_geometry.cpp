@@ -55,14 +55,41 @@ FacetPhases facet_phases(double radius, const DiskGrid& grid, double basis_toler
   return {radius, grid.outermost_sine(), std::clamp(basis_tolerance / 60, 1e-9, 1e-5)};
 }
 
+double distances(const DiskGeometry& g) {
+  const double squares = 2 * std::pow(g.half, 2), on_disk = std::floor(g.sphere / (g.step * g.step));
+  return std::min(squares, on_disk) + 2;
+}
+
+TermTables disk_tables(const DiskGeometry& g, double phase_reach, double tolerance) {
+  // Straight lines between the most entries err by 2e-6 for heights of ±50 µm.
+  constexpr double kMostEntries = 1 << 18;
+  const double lines = std::min(coefficient_entries(phase_reach, tolerance), kMostEntries);
+  return {function_entries(phase_reach), static_cast<std::int64_t>(std::min(lines, distances(g)))};
+}
+
+int disk_pass(const DiskGeometry& g, const TermTables& tables, Sums sums) {
+  constexpr std::int64_t kSpectraBytes = std::int64_t{1} << 27;
+  const std::int64_t bytes = sums == Sums::Double ? 8 : 4;
+  return terms_of_a_pass((2 * g.half + 1) * g.padded_rows() * bytes, table_bytes(tables, bytes),
+                         kSpectraBytes);
+}
+
 SpectralWork disk_work(const DiskGeometry& g, const HeightField& surface, const SpectralChoice& choice,
-                       std::int64_t steep_points, int terms) {
+                       std::int64_t steep_points, const BasisSize& basis) {
+  const int terms = basis.terms;
+  const TermTables tables = disk_tables(g, basis.phase_reach, choice.basis_tolerance);
   SpectralWork work;
   work.terms = terms;
   work.fft_length = g.length;
   work.transforms = (std::int64_t{terms} + 1) / 2 * (g.rows() + 2 * g.half + 1);
   work.steep_points = steep_points;
   work.spread = spread_work(surface, choice, g.x_end - g.x_begin, steep_points, terms);
+  work.tables = table_work(basis, tables);
+  // Every pass starts them again.
+  if (!basis.orthonormal())
+    work.recurrences = std::ceil(static_cast<double>(terms) / disk_pass(g, tables, choice.sums)) * terms *
+                       static_cast<double>(tables.coefficients);
+  work.sums = choice.sums;
   return work;
 }
 

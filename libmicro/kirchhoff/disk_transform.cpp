@@ -16,14 +16,10 @@
 namespace micro {
 namespace {
 
-/// Bytes of spectra along x and of tables of φ_k and c_k that are held at once, and terms: what bounds the
-/// memory.
-constexpr std::int64_t kSpectraBytes = std::int64_t{1} << 27, kTableBytes = std::int64_t{1} << 28;
-constexpr std::int64_t kFewestTerms = 8, kMostTerms = 96;
-/// Grid rows transformed together, so that their spectra are written by cache lines.
-constexpr std::int64_t kRowGroup = 8;
 /// Groups of rows handed out together: the lattice rows at either end are spread twice.
 constexpr std::int64_t kBandGroups = 8;
+/// Entries of tables of φ_k and c_k that one thread makes at a time.
+constexpr std::int64_t kEntryBlock = 256;
 
 /// Terms of one pass over the surface: φ_k first … first+count−1 of the basis and, in the last pass over a
 /// surface with missing triangles, I[1] as one more term.
@@ -34,14 +30,6 @@ struct Batch {
   int fields() const { return (terms() + 1) / 2; }
 };
 
-/// Entries of the tables of φ_k and of c_k, both of heights that turn phases by ±`reach` rad.
-int function_entries(double reach) {
-  // The cubic's error is (phase step)⁴/384: 4e-8 at 1/16 rad.
-  constexpr double kPhaseStep = 1.0 / 16;
-  constexpr double kMost = 1e9;
-  return static_cast<int>(std::min(std::ceil(2 * reach / kPhaseStep), kMost)) + 16;
-}
-
 /// The q_z of the entries of a table of c_k.
 template <typename Real>
 struct CoefficientEntries {
@@ -51,29 +39,16 @@ struct CoefficientEntries {
 };
 
 template <typename Real>
-CoefficientEntries<Real> coefficient_entries(const DiskGeometry& g, const WaveRange& q, double reach,
-                                             double tolerance) {
+CoefficientEntries<Real> make_entries(const DiskGeometry& g, const WaveRange& q, const TermTables& tables) {
   using Kind = typename CoefficientTable<Real>::Entries;
-  // The error of linear interpolation is (phase step)²/8: with the most entries 2e-6 for heights of ±50 µm.
-  constexpr double kMostEntries = 1 << 18;
-  const double wanted = std::ceil(std::min(reach / std::sqrt(8 * tolerance / 10), kMostEntries)) + 16;
-  // k_x² + k_y² of nodes on the disk
-  const double squares = 2 * std::pow(g.half, 2), on_disk = std::floor(g.sphere / (g.step * g.step));
-  if (const double most = std::min(squares, on_disk) + 2; most <= wanted) {
-    const auto n = static_cast<Eigen::Index>(most);
-    const Eigen::ArrayXd k2 = Eigen::ArrayXd::LinSpaced(n, 0, most - 1);
+  const auto n = static_cast<Eigen::Index>(tables.coefficients);
+  if (static_cast<double>(n) == distances(g)) {
+    const Eigen::ArrayXd k2 = Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
     return {Kind::OfNodes, 0, (g.sphere - g.step * g.step * k2).max(q.low * q.low).sqrt()};
   }
-  const double step = std::max(q.high - q.low, 1e-9 * q.high) / (wanted - 1);
-  return {Kind::Equidistant, step,
-          Eigen::ArrayXd::LinSpaced(static_cast<Eigen::Index>(wanted), q.low, q.low + step * (wanted - 1))};
-}
-
-/// Terms of one pass. `term_bytes`, `term_tables`: of one term's spectra, and of its tables while they are
-/// made.
-int terms_at_once(std::int64_t term_bytes, std::int64_t term_tables) {
-  return static_cast<int>(
-      std::clamp(std::min(kSpectraBytes / term_bytes, kTableBytes / term_tables), kFewestTerms, kMostTerms));
+  const double intervals = static_cast<double>(n - 1),
+               step = std::max(q.high - q.low, 1e-9 * q.high) / intervals;
+  return {Kind::Equidistant, step, Eigen::ArrayXd::LinSpaced(n, q.low, q.low + step * intervals)};
 }
 
 std::vector<Batch> make_batches(int terms, bool with_area, int most) {
@@ -91,7 +66,7 @@ template <typename Real>
 FunctionTable<Real> make_function_table(const HeightBasis& basis, const HeightHistogram& heights,
                                         const Batch& batch, double sphere) {
   FunctionTable<Real> table;
-  table.entries = function_entries(basis.phase_reach());
+  table.entries = static_cast<int>(function_entries(basis.phase_reach()));
   const double height = std::max(heights.high - heights.low, 1e-30);
   table.low = heights.low;
   table.per_height = (table.entries - 1) / height;
@@ -99,14 +74,16 @@ FunctionTable<Real> make_function_table(const HeightBasis& basis, const HeightHi
   table.data.assign(static_cast<std::size_t>(table.entries) * 2 * table.padded, 0);
   table.on_rim.assign(static_cast<std::size_t>(table.padded), 1);
   const HeightBasis::Functions f = basis.functions(table.entries, batch.first, batch.count);
-  for (int e = 0; e < table.entries; ++e) {
-    Real* value = table.data.data() + std::int64_t{e} * 2 * table.padded;
-    for (int k = 0; k < batch.count; ++k) {
-      value[k] = static_cast<Real>(f.value(e, k));
-      value[table.padded + k] = static_cast<Real>(f.derivative(e, k));
+  parallel_blocks(table.entries, kEntryBlock, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t e = begin; e < end; ++e) {
+      Real* value = table.data.data() + e * 2 * table.padded;
+      for (int k = 0; k < batch.count; ++k) {
+        value[k] = static_cast<Real>(f.value(e, k));
+        value[table.padded + k] = static_cast<Real>(f.derivative(e, k));
+      }
+      if (batch.with_area) value[batch.count] = static_cast<Real>(1 / sphere);
     }
-    if (batch.with_area) value[batch.count] = static_cast<Real>(1 / sphere);
-  }
+  });
   if (batch.with_area) table.on_rim[batch.count] = 0;
   return table;
 }
@@ -121,14 +98,16 @@ CoefficientTable<Real> make_coefficient_table(const HeightBasis& basis,
   table.per_q = entries.step > 0 ? 1 / entries.step : 0;
   table.fields = batch.fields();
   table.data.assign(static_cast<std::size_t>(table.fields) * table.entries * 4, 0);
-  const Eigen::ArrayXXcd c = basis.coefficients(entries.qz, batch.first, batch.count);
-  for (int k = 0; k < batch.terms(); ++k)
-    for (int e = 0; e < table.entries; ++e) {
-      const std::complex<double> value = k < batch.count ? c(e, k) : entries.qz[e];
-      Real* at = &table.data[(static_cast<std::size_t>(k / 2) * table.entries + e) * 4 + k % 2 * 2];
-      at[0] = static_cast<Real>(value.real() / 2);
-      at[1] = static_cast<Real>(value.imag() / 2);
-    }
+  const Grid<std::complex<double>> c = basis.coefficients(entries.qz, batch.first, batch.count);
+  parallel_blocks(table.entries, kEntryBlock, [&](std::int64_t begin, std::int64_t end) {
+    for (int k = 0; k < batch.terms(); ++k)
+      for (std::int64_t e = begin; e < end; ++e) {
+        const std::complex<double> value = k < batch.count ? c(e, k) : entries.qz[e];
+        Real* at = &table.data[(static_cast<std::size_t>(k / 2) * table.entries + e) * 4 + k % 2 * 2];
+        at[0] = static_cast<Real>(value.real() / 2);
+        at[1] = static_cast<Real>(value.imag() / 2);
+      }
+  });
   return table;
 }
 
@@ -346,15 +325,13 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
 
   DiskDensity result;
   const LeftOut left_out(all, facet_phases(radius, grid, choice.basis_tolerance));
-  result.work = disk_work(g, surface, choice, left_out.points(), basis.terms() + (all.complete() ? 0 : 1));
-  const auto entries = coefficient_entries<Real>(g, q, basis.phase_reach(), choice.basis_tolerance);
-  const std::int64_t padded_rows = (g.rows() + kRowGroup - 1) / kRowGroup * kRowGroup;
-  const std::int64_t term_bytes = (2 * g.half + 1) * padded_rows * static_cast<std::int64_t>(sizeof(Real));
-  const std::int64_t term_tables = 2 * std::int64_t{sizeof(double) + sizeof(Real)} *
-                                   (std::int64_t{function_entries(basis.phase_reach())} + entries.qz.size());
-  const int most = terms_at_once(term_bytes, term_tables);
-  result.work.recurrences = std::ceil(static_cast<double>(basis.terms()) / most) *
-                            basis.recurrences(static_cast<int>(entries.qz.size()));
+  BasisSize size = basis.size();
+  if (!all.complete()) ++size.terms;
+  result.work = disk_work(g, surface, choice, left_out.points(), size);
+  const TermTables tables = disk_tables(g, size.phase_reach, choice.basis_tolerance);
+  const auto entries = make_entries<Real>(g, q, tables);
+  const std::int64_t padded_rows = g.padded_rows(), term_tables = table_bytes(tables, sizeof(Real));
+  const int most = disk_pass(g, tables, sizeof(Real) == sizeof(float) ? Sums::Single : Sums::Double);
   check_work(result.work, static_cast<double>(grid.size) * grid.size, surface, lambda_q);
   const SurfaceQuadrature quadrature(std::move(all), left_out);
   const QuadratureLattice& lattice = quadrature.lattice;
@@ -381,13 +358,13 @@ DiskDensity transform_disk(const Window& window, const DiskGrid& grid, double la
     const CoefficientTable<Real> coefficients = make_coefficient_table<Real>(basis, entries, batch);
     problem.functions = &functions;
     RowSpectra<Real> spectra{padded_rows, batch.fields(), memory.spectra};
-    const auto size = static_cast<std::size_t>((2 * g.half + 1) * spectra.fields * spectra.padded_rows);
-    if (memory.spectra.size() < size) memory.spectra.resize(size);
+    const auto numbers = static_cast<std::size_t>((2 * g.half + 1) * spectra.fields * spectra.padded_rows);
+    if (memory.spectra.size() < numbers) memory.spectra.resize(numbers);
     transform_rows(g, problem, fft, spectra);
     transform_columns(g, coefficients, fft, spectra, memory.field);
     result.work.transforms += batch.fields() * (g.rows() + 2 * g.half + 1);
     result.work.bytes = std::max<std::int64_t>(
-        result.work.bytes, static_cast<std::int64_t>(size * sizeof(std::complex<Real>) +
+        result.work.bytes, static_cast<std::int64_t>(numbers * sizeof(std::complex<Real>) +
                                                      8 * memory.field.quadrants[0].re.size() * sizeof(Real)) +
                                batch.terms() * term_tables + quadrature.bytes() + problem.point_bytes());
   }

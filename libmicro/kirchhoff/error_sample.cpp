@@ -24,14 +24,16 @@ struct Node {
 enum Measure { kWhole, kCoreFree, kLinear, kEven, kMeasures };
 
 /// What one node weighs in each measure.
+template <typename Real>
 struct NodeWeights {
-  const DiskTable& table;
+  const DiskGrid& grid;
+  const Grid<Real>& table;
   double core, threshold;
 
   std::array<double, kMeasures> operator()(Eigen::Index j, Eigen::Index i) const {
-    const double density = table.density(j, i);
-    if (!(table.grid.mz2(j, i) > 0) || !(density > 0)) return {};
-    const double x = table.grid.coordinate(i), y = table.grid.coordinate(j), squared = density * density;
+    const auto density = static_cast<double>(table(j, i));
+    if (!(grid.mz2(j, i) > 0) || !(density > 0)) return {};
+    const double x = grid.coordinate(i), y = grid.coordinate(j), squared = density * density;
     return {squared, x * x + y * y > core * core ? squared : 0, density, density >= threshold ? 1.0 : 0.0};
   }
 };
@@ -42,8 +44,9 @@ struct RowSums {
   double total(int measure) const { return cumulative[measure].back(); }
 };
 
-RowSums sum_rows(const NodeWeights& weights) {
-  const Eigen::Index rows = weights.table.density.rows();
+template <typename Real>
+RowSums sum_rows(const NodeWeights<Real>& weights) {
+  const Eigen::Index rows = weights.table.rows();
   RowSums sums;
   for (auto& row : sums.cumulative)
     row.resize(static_cast<std::size_t>(rows));
@@ -66,14 +69,15 @@ RowSums sum_rows(const NodeWeights& weights) {
 }
 
 /// The node at fraction u of a measure's total.
-Node find_node(const NodeWeights& weights, const RowSums& sums, int measure, double u) {
+template <typename Real>
+Node find_node(const NodeWeights<Real>& weights, const RowSums& sums, int measure, double u) {
   const auto& rows = sums.cumulative[measure];
   const double target = u * rows.back();
   const auto row = std::min<std::ptrdiff_t>(std::upper_bound(rows.begin(), rows.end(), target) - rows.begin(),
                                             static_cast<std::ptrdiff_t>(rows.size()) - 1);
   double sum = row > 0 ? rows[static_cast<std::size_t>(row - 1)] : 0;
   Node last{row, 0};
-  for (Eigen::Index i = 0; i < weights.table.density.cols(); ++i) {
+  for (Eigen::Index i = 0; i < weights.table.cols(); ++i) {
     const double w = weights(row, i)[measure];
     if (w == 0) continue;
     last.i = i;
@@ -93,7 +97,9 @@ struct Draw {
 
 /// `count` nodes by importance: each measure's in strata of equal weight, which scatter less than drawn
 /// freely.
-std::vector<Draw> draw_nodes(const NodeWeights& weights, const RowSums& sums, int count, std::uint64_t seed) {
+template <typename Real>
+std::vector<Draw> draw_nodes(const NodeWeights<Real>& weights, const RowSums& sums, int count,
+                             std::uint64_t seed) {
   // A table that lies in the core altogether lacks one measure.
   std::vector<int> turn;
   for (int measure = 0; static_cast<int>(turn.size()) < count; measure = (measure + 1) % kMeasures)
@@ -116,8 +122,9 @@ std::vector<Draw> draw_nodes(const NodeWeights& weights, const RowSums& sums, in
 }
 
 /// Every node once, if there are no more than `most`; else nothing.
-std::vector<Draw> all_nodes(const NodeWeights& weights, int most) {
-  const Eigen::Index size = weights.table.grid.size;
+template <typename Real>
+std::vector<Draw> all_nodes(const NodeWeights<Real>& weights, int most) {
+  const Eigen::Index size = weights.grid.size;
   std::vector<Draw> draws;
   if (size * size > 2 * most) return draws;  // the disk is three quarters of the square
   for (Eigen::Index j = 0; j < size; ++j)
@@ -160,10 +167,11 @@ double coherent_core(const HeightField& surface, double lambda_q) {
   return 2 * lambda_q / (2 * shorter);
 }
 
-ErrorSample sample_error(const Window& window, const DiskTable& table, double lambda_q, double tol, int nodes,
-                         std::uint64_t seed) {
-  const NodeWeights weights{table, coherent_core(window.surface, lambda_q),
-                            kSignificant * table.density.maxCoeff()};
+template <typename Real>
+ErrorSample sample_error(const Window& window, const DiskGrid& grid, const Grid<Real>& density,
+                         double lambda_q, double tol, int nodes, std::uint64_t seed) {
+  const NodeWeights<Real> weights{grid, density, coherent_core(window.surface, lambda_q),
+                                  kSignificant * static_cast<double>(density.maxCoeff())};
   const RowSums sums = sum_rows(weights);
   ErrorSample sample;
   if (!(sums.total(kWhole) > 0)) return sample;
@@ -171,15 +179,16 @@ ErrorSample sample_error(const Window& window, const DiskTable& table, double la
   if (draws.empty()) draws = draw_nodes(weights, sums, nodes, seed);
   std::vector<Vec3> q;
   for (const auto& [node, probability, even] : draws) {
-    const double x = table.grid.coordinate(node.i), y = table.grid.coordinate(node.j);
-    q.push_back(wave_vector(Vec3(x, y, std::sqrt(table.grid.mz2(node.j, node.i))), lambda_q));
+    const double x = grid.coordinate(node.i), y = grid.coordinate(node.j);
+    q.push_back(wave_vector(Vec3(x, y, std::sqrt(grid.mz2(node.j, node.i))), lambda_q));
   }
   const auto fields = exact_field(window, q);
   const double area = effective_area(window);
   for (std::size_t n = 0; n < draws.size(); ++n) {
     const auto& [node, probability, even] = draws[n];
     const double exact = kirchhoff_density(fields[n], area);
-    const double difference = table.density(node.j, node.i) - exact, squared = difference * difference;
+    const double difference = static_cast<double>(density(node.j, node.i)) - exact,
+                 squared = difference * difference;
     sample.squared += squared / (probability * sums.total(kWhole));
     if (weights(node.j, node.i)[kCoreFree] > 0)
       sample.squared_core_free += squared / (probability * sums.total(kCoreFree));
@@ -192,9 +201,9 @@ ErrorSample sample_error(const Window& window, const DiskTable& table, double la
   return sample;
 }
 
-ErrorSample sample_error(const HeightField& surface, const DiskTable& table, double lambda_q, double tol,
-                         int nodes, std::uint64_t seed) {
-  return sample_error(Window{surface, {}}, table, lambda_q, tol, nodes, seed);
-}
+template ErrorSample sample_error(const Window&, const DiskGrid&, const Grid<float>&, double, double, int,
+                                  std::uint64_t);
+template ErrorSample sample_error(const Window&, const DiskGrid&, const Grid<double>&, double, double, int,
+                                  std::uint64_t);
 
 }  // namespace micro

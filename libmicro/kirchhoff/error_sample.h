@@ -32,12 +32,12 @@ struct ErrorSample {
   ErrorSample& operator+=(const ErrorSample& other);
 };
 
-/// Draws `nodes` nodes of a window's table of D_K at λ_q, or takes all if it has no more; the draw depends on
-/// the table and on `seed` alone. A table without any D > 0 gives an empty sample.
-ErrorSample sample_error(const Window& window, const DiskTable& table, double lambda_q, double tol, int nodes,
-                         std::uint64_t seed);
-ErrorSample sample_error(const HeightField& surface, const DiskTable& table, double lambda_q, double tol,
-                         int nodes, std::uint64_t seed);
+/// Draws `nodes` nodes of a window's table of D_K (1/sr) on `grid` at λ_q, or takes all if it has no more;
+/// the draw depends on the table and on `seed` alone. A table without any D > 0 gives an empty sample. `Real`
+/// is float or double.
+template <typename Real>
+ErrorSample sample_error(const Window& window, const DiskGrid& grid, const Grid<Real>& density,
+                         double lambda_q, double tol, int nodes, std::uint64_t seed);
 
 /// Radius of the coherent core in units of |h_xy|: two resolution cells.
 double coherent_core(const HeightField& surface, double lambda_q);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/large_pages.h"
 #include "core/parallel.h"
 
 namespace micro {
@@ -68,6 +69,17 @@ bool decomposable(const SampleSize& size) {
          size.heights <= kMostHeights;
 }
 
+/// All but the terms.
+BasisSize size_of(double half_range, double farthest, const WaveRange& q) {
+  BasisSize size;
+  size.phase_reach = q.high * farthest;
+  const SampleSize samples = sample_size(half_range, farthest, q);
+  if (!decomposable(samples)) return size;
+  size.waves = samples.waves;
+  size.decomposed = std::min(samples.heights, 2 * samples.waves);
+  return size;
+}
+
 /// [n] how often heights near each Chebyshev node occur; nodes descend. A height between nodes sees the nodes
 /// j away by 1/j, so that is how far their errors may go: weights fall as 1/j² beside it.
 Eigen::ArrayXd node_weights(const HeightHistogram& heights, int n) {
@@ -83,6 +95,15 @@ Eigen::ArrayXd node_weights(const HeightHistogram& heights, int n) {
     weight += heights.mass[b] / share.sum() * share;
   }
   return weight;
+}
+
+/// A table for somebody to fill in. Millions of numbers come in small pages more slowly than they are
+/// computed.
+template <typename T>
+Grid<T> large_table(Eigen::Index rows, Eigen::Index cols) {
+  Grid<T> table(rows, cols);
+  prefer_large_pages(table.data(), sizeof(T) * static_cast<std::size_t>(table.size()));
+  return table;
 }
 
 /// J_0(x) … J_{n−1}(x), x ≥ 0, by Miller's downward recurrence [NIST DLMF §3.6(v)], normalised by J_0 +
@@ -148,8 +169,8 @@ HeightBasis::HeightBasis(const HeightHistogram& heights, double origin, const Wa
       half_((heights.high - heights.low) / 2),
       origin_(origin),
       q_(q),
-      reach_(q.high * (half_ + std::abs(centre_ - origin))) {
-  if (decomposable(sample_size(half_, half_ + std::abs(centre_ - origin_), q_)))
+      size_(size_of(half_, half_ + std::abs(centre_ - origin), q)) {
+  if (orthonormal())
     decompose(heights, tolerance);
   else
     expand(tolerance);
@@ -176,12 +197,12 @@ void HeightBasis::decompose(const HeightHistogram& heights, double tolerance) {
   const Eigen::ArrayXd squares = eigen.eigenvalues().array().max(0);
   const double allowed = m * tolerance * tolerance;
   double tail = 0;
-  terms_ = static_cast<int>(squares.size());
-  while (terms_ > 0 && tail + squares[squares.size() - terms_] <= allowed) {
-    tail += squares[squares.size() - terms_];
-    --terms_;
+  size_.terms = static_cast<int>(squares.size());
+  while (size_.terms > 0 && tail + squares[squares.size() - size_.terms] <= allowed) {
+    tail += squares[squares.size() - size_.terms];
+    --size_.terms;
   }
-  const Eigen::MatrixXd vectors = eigen.eigenvectors().rightCols(terms_).rowwise().reverse();
+  const Eigen::MatrixXd vectors = eigen.eigenvectors().rightCols(size_.terms).rowwise().reverse();
   // [2m, terms] right singular vectors times singular values
   const Eigen::MatrixXd scaled =
       fewer_heights ? Eigen::MatrixXd(samples.transpose() * vectors)
@@ -193,31 +214,31 @@ void HeightBasis::decompose(const HeightHistogram& heights, double tolerance) {
 }
 
 void HeightBasis::expand(double tolerance) {
-  chebyshev_ = true;
   const double phase = q_.high * half_;
   const int all = resolving_degree(phase);
   // Heights of decimetres: nobody sums so many terms.
   constexpr double kMostPhase = 1e6;
   if (phase > kMostPhase) {
-    terms_ = all;
+    size_.terms = all;
     return;
   }
   const std::vector<double> j = bessel_series(phase, all);
-  terms_ = all;
+  size_.terms = all;
   double tail = 0;
-  while (terms_ > static_cast<int>(phase) && tail + 2 * std::abs(j[terms_ - 1]) <= tolerance * q_.high) {
-    tail += 2 * std::abs(j[terms_ - 1]);
-    --terms_;
+  while (size_.terms > static_cast<int>(phase) &&
+         tail + 2 * std::abs(j[size_.terms - 1]) <= tolerance * q_.high) {
+    tail += 2 * std::abs(j[size_.terms - 1]);
+    --size_.terms;
   }
 }
 
 HeightBasis::Functions HeightBasis::functions(int n, int first, int count) const {
-  if (chebyshev_) return polynomials(n, first, count);
+  if (!orthonormal()) return polynomials(n, first, count);
   constexpr std::int64_t kBlock = 128;  // ψ and its slope at so many heights at a time
   const double step = 2 * half_ / (n - 1), low = centre_ - half_ - origin_;
   const Eigen::Index m = waves_.size();
   const auto combinations = combinations_.middleCols(first, count);
-  Functions f{Eigen::ArrayXXd(n, count), Eigen::ArrayXXd(n, count)};
+  Functions f{large_table<double>(n, count), large_table<double>(n, count)};
   parallel_blocks(n, kBlock, [&](std::int64_t begin, std::int64_t end) {
     const Eigen::Index rows = end - begin;
     Eigen::MatrixXd value(rows, 2 * m), slope(rows, 2 * m);
@@ -241,7 +262,7 @@ HeightBasis::Functions HeightBasis::functions(int n, int first, int count) const
 
 HeightBasis::Functions HeightBasis::polynomials(int n, int first, int count) const {
   const double step = 2.0 / (n - 1);
-  Functions f{Eigen::ArrayXXd(n, count), Eigen::ArrayXXd(n, count)};
+  Functions f{large_table<double>(n, count), large_table<double>(n, count)};
   parallel_blocks(n, 256, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t e = begin; e < end; ++e) {
       const double angle = std::acos(std::clamp(-1 + step * static_cast<double>(e), -1.0, 1.0)),
@@ -259,10 +280,10 @@ HeightBasis::Functions HeightBasis::polynomials(int n, int first, int count) con
   return f;
 }
 
-Eigen::ArrayXXcd HeightBasis::coefficients(const Eigen::ArrayXd& qz, int first, int count) const {
+Grid<Complex> HeightBasis::coefficients(const Eigen::ArrayXd& qz, int first, int count) const {
   const Eigen::Index n = qz.size();
-  Eigen::ArrayXXcd c(n, count);
-  if (!chebyshev_) {
+  auto c = large_table<Complex>(n, count);
+  if (orthonormal()) {
     const double middle = (q_.high + q_.low) / 2, half = std::max((q_.high - q_.low) / 2, 1e-300);
     const Eigen::MatrixXd t =
         chebyshev_values(((qz - middle) / half).max(-1).min(1), coefficient_series_re_.rows());
@@ -286,15 +307,19 @@ Eigen::ArrayXXcd HeightBasis::coefficients(const Eigen::ArrayXd& qz, int first, 
   return c;
 }
 
-Eigen::ArrayXXcd HeightBasis::coefficients(int n, int first, int count) const {
+Grid<Complex> HeightBasis::coefficients(int n, int first, int count) const {
   return coefficients(Eigen::ArrayXd::LinSpaced(n, q_.low, q_.high), first, count);
 }
 
-double expected_terms(const HeightHistogram& heights, const WaveRange& q, double tolerance) {
+BasisSize expected_basis(const HeightHistogram& heights, const WaveRange& q, double tolerance) {
+  constexpr double kMostTerms = 1e6;
   const double half = (heights.high - heights.low) / 2;
-  const double farthest = std::max(std::abs(heights.low), std::abs(heights.high));
-  if (!decomposable(sample_size(half, farthest, q))) return q.high * half - 2 * std::log(tolerance);
-  return (q.high - q.low) * 2 * half / std::numbers::pi - 0.7 * std::log(tolerance);
+  BasisSize size = size_of(half, std::max(std::abs(heights.low), std::abs(heights.high)), q);
+  const double terms = size.orthonormal()
+                           ? (q.high - q.low) * 2 * half / std::numbers::pi - 0.7 * std::log(tolerance)
+                           : q.high * half - 2 * std::log(tolerance);
+  size.terms = std::max(1, static_cast<int>(std::min(terms, kMostTerms)));
+  return size;
 }
 
 }  // namespace micro

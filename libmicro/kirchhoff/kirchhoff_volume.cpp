@@ -123,7 +123,8 @@ void fill_with_kirchhoff(const HeightField& surface, double tol, DensityVolume& 
   const TermSpectra<float> spectra(quadrature, heights, terms, basis.phase_reach(), batch, x, y, memory);
   const double to_density = kirchhoff_density(1, area);
   parallel_blocks(grid.cols(), 8, [&](std::int64_t begin, std::int64_t end) {
-    const TermColumns<float> columns = spectra.columns(begin - grid.reach_x, end - begin);
+    TermColumns<float> columns;
+    spectra.columns(begin - grid.reach_x, end - begin, columns);
     for (std::int64_t i = begin - grid.reach_x; i < end - grid.reach_x; ++i)
       for (std::int64_t j = -grid.reach_y; j <= grid.reach_y; ++j) {
         const double qx = grid.step_x * static_cast<double>(i), qy = grid.step_y * static_cast<double>(j);

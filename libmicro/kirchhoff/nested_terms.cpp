@@ -31,7 +31,7 @@ NestedTerms::NestedTerms(const HeightBasis& basis, const WaveRange& q, double to
 
 void NestedTerms::turn(double tolerance) {
   const int terms = basis_.terms(), each = samples_per_level(basis_);
-  const Eigen::ArrayXXcd c = basis_.coefficients(kLevels * each + 1, 0, terms);
+  const Grid<std::complex<double>> c = basis_.coefficients(kLevels * each + 1, 0, terms);
   turn_.resize(terms, 0);
   Eigen::MatrixXd rest = Eigen::MatrixXd::Identity(terms, terms);
   for (int level = 0; level < kLevels; ++level) {
@@ -60,7 +60,7 @@ void NestedTerms::turn(double tolerance) {
 
 void NestedTerms::count(double tolerance) {
   const int terms = basis_.terms();
-  const Eigen::ArrayXXd size = basis_.coefficients(kLevels + 1, 0, terms).abs();
+  const Grid<double> size = basis_.coefficients(kLevels + 1, 0, terms).abs();
   int needed = 0;
   for (int level = 0; level < kLevels; ++level) {
     int k = terms;
@@ -86,10 +86,10 @@ HeightBasis::Functions NestedTerms::functions(int n, int first, int count) const
   return {(f.value.matrix() * v).array(), (f.derivative.matrix() * v).array()};
 }
 
-Eigen::ArrayXXcd NestedTerms::coefficients(int n, int first, int count) const {
+Grid<std::complex<double>> NestedTerms::coefficients(int n, int first, int count) const {
   if (!basis_.orthonormal()) return basis_.coefficients(n, first, count);
-  const Eigen::ArrayXXcd c = basis_.coefficients(n, 0, basis_.terms());
-  Eigen::ArrayXXcd turned(n, count);
+  const Grid<std::complex<double>> c = basis_.coefficients(n, 0, basis_.terms());
+  Grid<std::complex<double>> turned(n, count);
   const auto v = turn_.middleCols(first, count);
   turned.real() = (c.real().matrix() * v).array();
   turned.imag() = (c.imag().matrix() * v).array();

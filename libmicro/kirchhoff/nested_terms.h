@@ -26,7 +26,7 @@ class NestedTerms {
 
   /// As HeightBasis's, of the turned terms.
   HeightBasis::Functions functions(int n, int first, int count) const;
-  Eigen::ArrayXXcd coefficients(int n, int first, int count) const;
+  Grid<std::complex<double>> coefficients(int n, int first, int count) const;
 
  private:
   void turn(double tolerance);

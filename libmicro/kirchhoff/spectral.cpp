@@ -100,7 +100,7 @@ KirchhoffTable SpectralSolver::operator()(const Window& window, std::uint64_t se
     result.work = density.work;
     result.cost.evaluations += density.work.transforms;
     const int nodes = checked_nodes(surface, grid_, density.work);
-    result.error = sample_error(window, result.table, lambda_q_, tol_, nodes, seed);
+    result.error = sample_error(window, grid_, result.table.density, lambda_q_, tol_, nodes, seed);
     result.reached = result.error.within(tol_);
     // A dozen nodes know the error to some 30 %.
     constexpr double kMargin = 0.8;

@@ -276,9 +276,11 @@ TEST(SpectralSolver, SameTableForAnyNumberOfThreadsAndAnyHistory) {
 TEST(ErrorSample, FindsADeliberateError) {
   const HeightField surface = make_gaussian_surface({}, 61);
   KirchhoffTable got = spectral_table(surface, {65, 1}, kLambda, 1e-5);
-  EXPECT_TRUE(sample_error(surface, got.table, kLambda, 1e-4, 30, 1).within(1e-4));
+  EXPECT_TRUE(sample_error(Window{surface, {}}, got.table.grid, got.table.density, kLambda, 1e-4, 30, 1)
+                  .within(1e-4));
   got.table.density *= 1.01;
-  const ErrorSample sample = sample_error(surface, got.table, kLambda, 1e-4, 60, 1);
+  const ErrorSample sample =
+      sample_error(Window{surface, {}}, got.table.grid, got.table.density, kLambda, 1e-4, 60, 1);
   // A common factor: Δ²/D̂² is the same at all nodes, so only the mixture of draws scatters.
   EXPECT_NEAR(sample.error(), 0.01 / 1.01, 0.003);
   EXPECT_NEAR(sample.error_core_free(), 0.01 / 1.01, 0.004);
@@ -292,7 +294,8 @@ TEST(ErrorSample, TakesEveryNodeOfASmallTable) {
   DiskTable table = spectral_table(surface, {5, 0.7}, kLambda, 1e-5).table;
   const double peak = table.density.maxCoeff();
   table.density(2, 1) += 0.01 * peak;
-  const ErrorSample sample = sample_error(surface, table, kLambda, 1e-4, 25, 1);
+  const ErrorSample sample =
+      sample_error(Window{surface, {}}, table.grid, table.density, kLambda, 1e-4, 25, 1);
   EXPECT_EQ(sample.nodes, 25);  // the corners lie at 0.99
   EXPECT_NEAR(sample.error(), 0.01 * peak / table.density.matrix().norm(), 1e-5 * peak);
 }

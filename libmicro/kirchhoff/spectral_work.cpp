@@ -35,9 +35,11 @@ std::string duration_text(double seconds) {
 
 double table_seconds(const SpectralWork& work, double nodes, const SpectralCosts& costs) {
   const double length = static_cast<double>(std::max<std::int64_t>(work.fft_length, 1));
-  return costs.spread * work.spread +
-         costs.butterfly * static_cast<double>(work.transforms) * length * std::log2(length) +
-         costs.node * nodes * work.terms + costs.recurrence * work.recurrences;
+  const double sums = costs.spread * work.spread +
+                      costs.butterfly * static_cast<double>(work.transforms) * length * std::log2(length) +
+                      costs.node * nodes * work.terms;
+  return sums * (work.sums == Sums::Double ? costs.twofold : 1) + costs.table * work.tables +
+         costs.recurrence * work.recurrences;
 }
 
 double spread_work(const HeightField& surface, const SpectralChoice& choice, std::int64_t grid_cols,
@@ -73,15 +75,14 @@ void check_work(const SpectralWork& work, double nodes, const HeightField& surfa
 
 SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lambda_q,
                           const SpectralChoice& choice) {
-  constexpr double kMostTerms = 1e6;
   const HeightField& surface = window.surface;
   const double radius = 4 * std::numbers::pi / lambda_q;
   const QuadratureLattice lattice(surface, choice.subdivision, window.taper, choice.steepest, choice.highest);
-  const double terms =
-      expected_terms(height_histogram(surface), wave_range(radius, grid), choice.basis_tolerance);
+  BasisSize basis =
+      expected_basis(height_histogram(surface), wave_range(radius, grid), choice.basis_tolerance);
+  if (!lattice.complete()) ++basis.terms;
   return disk_work(make_disk_geometry(surface, grid, lambda_q, choice), surface, choice,
-                   LeftOut(lattice, facet_phases(radius, grid, choice.basis_tolerance)).points(),
-                   std::max(1, static_cast<int>(std::min(terms, kMostTerms))) + (lattice.complete() ? 0 : 1));
+                   LeftOut(lattice, facet_phases(radius, grid, choice.basis_tolerance)).points(), basis);
 }
 
 }  // namespace micro

@@ -33,7 +33,9 @@ struct SpectralWork {
   std::int64_t bytes = 0;         ///< of memory held at most, without the table
   double spread = 0;              ///< multiply-adds that take the sources to the grid, about
   std::int64_t steep_points = 0;  ///< on facets and edges that the lattice leaves out
+  double tables = 0;              ///< multiply-adds that make tables of φ_k and c_k (term_tables.h)
   double recurrences = 0;         ///< steps of those that give c_k(q_z) of great heights (height_basis.h)
+  Sums sums = Sums::Single;
 };
 
 /// Seconds on one thread of an AVX2 core at 2.4 GHz. bench/kirchhoff_costs_bench measures them all again.
@@ -41,10 +43,12 @@ struct SpectralCosts {
   double spread = 0.1e-9;     ///< one multiply-add of spreading
   double butterfly = 0.1e-9;  ///< of a transform of n numbers, n·log2(n) of them
   double node = 1e-9;         ///< one term at one node of the table
+  double table = 0.1e-9;      ///< one multiply-add of tables
   double recurrence = 3e-9;   ///< one step
+  double twofold = 2;         ///< spreading, transforms and nodes in double over those in single precision
 };
 
-/// Seconds that a table of so many nodes takes in single precision, about.
+/// Seconds that a table of so many nodes takes, about.
 double table_seconds(const SpectralWork& work, double nodes, const SpectralCosts& costs = {});
 
 /// Multiply-adds a term that spreading takes with a kernel of width w: a lattice point is spread along x, and
@@ -66,8 +70,8 @@ double spread_work(const HeightField& surface, const SpectralChoice& choice, std
 /// than a gigabyte; says how far out the table may go instead.
 void check_work(const SpectralWork& work, double nodes, const HeightField& surface, double lambda_q);
 
-/// What a table will take, without computing it; `bytes` and `recurrences` are left out, and `terms` is what
-/// the ranges of heights and of q_z suggest (expected_terms).
+/// What a table will take, without computing it; `bytes` are left out, and the terms are what the ranges of
+/// heights and of q_z suggest (expected_basis).
 SpectralWork predict_work(const Window& window, const DiskGrid& grid, double lambda_q,
                           const SpectralChoice& choice);
 

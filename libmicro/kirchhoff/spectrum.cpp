@@ -12,8 +12,6 @@
 namespace micro {
 namespace {
 
-/// Below this tolerance sums are kept in double: see spectral.cpp.
-constexpr double kDoubleBelow = 3e-5;
 /// Refinements before the error is taken for what it is.
 constexpr int kRefinements = 3;
 /// Nodes on which each table is compared with `exact`, and more of them where these look bad: on the scans of
@@ -24,12 +22,13 @@ constexpr double kCells = 1e6;
 constexpr std::uint64_t kSeedsPerScan = 8192;
 
 /// The error of one table.
-ErrorSample measure(const HeightField& surface, const DiskTable& table, double lambda_q, double tol,
-                    std::uint64_t seed) {
-  const double cells = static_cast<double>(surface.rows()) * static_cast<double>(surface.cols());
+ErrorSample measure(const Window& window, const DiskGrid& grid, const Grid<float>& table, double lambda_q,
+                    double tol, std::uint64_t seed) {
+  const double cells =
+      static_cast<double>(window.surface.rows()) * static_cast<double>(window.surface.cols());
   const int nodes = static_cast<int>(std::clamp<double>(kCells / cells, kFewestNodes, kMostNodes));
-  ErrorSample sample = sample_error(surface, table, lambda_q, tol, nodes, seed);
-  if (!sample.within(tol)) sample += sample_error(surface, table, lambda_q, tol, kSecondLook, seed + 1);
+  ErrorSample sample = sample_error(window, grid, table, lambda_q, tol, nodes, seed);
+  if (!sample.within(tol)) sample += sample_error(window, grid, table, lambda_q, tol, kSecondLook, seed + 1);
   return sample;
 }
 
@@ -75,6 +74,7 @@ KirchhoffSpectrum SpectrumSolver::together(const HeightField& surface, SpectralC
                                            std::uint64_t seed) {
   KirchhoffSpectrum result;
   result.choice = choice;
+  const Window whole{surface, {}};
   result.tables.resize(lambda_q_.size());
   std::vector<std::size_t> left(lambda_q_.size());
   std::iota(left.begin(), left.end(), std::size_t{0});
@@ -82,7 +82,7 @@ KirchhoffSpectrum SpectrumSolver::together(const HeightField& surface, SpectralC
     std::vector<double> lambda_q;
     for (const std::size_t k : left)
       lambda_q.push_back(lambda_q_[k]);
-    SpectrumDensity density = tol_ < kDoubleBelow
+    SpectrumDensity density = choice.sums == Sums::Double
                                   ? transform_spectrum(surface, grid_, lambda_q, choice, memory_->twofold)
                                   : transform_spectrum(surface, grid_, lambda_q, choice, memory_->single);
     if (attempt == 0) result.work = density.work;
@@ -92,15 +92,16 @@ KirchhoffSpectrum SpectrumSolver::together(const HeightField& surface, SpectralC
     for (std::size_t n = 0; n < left.size(); ++n) {
       SpectrumTable& table = result.tables[left[n]];
       table.density = std::move(density.tables[n]);
-      table.error = measure(surface, {grid_, table.density.cast<double>()}, lambda_q[n], tol_,
-                            seed * kSeedsPerScan + 2 * left[n]);
+      table.error =
+          measure(whole, grid_, table.density, lambda_q[n], tol_, seed * kSeedsPerScan + 2 * left[n]);
       table.reached = table.error.within(tol_);
       if (table.reached) continue;
       missed.push_back(left[n]);
       excess = std::max({excess, table.error.error() / tol_, table.error.error_core_free() / tol_});
     }
     left = std::move(missed);
-    const SpectralChoice finer = refine(choice, excess);
+    SpectralChoice finer = refine(choice, excess);
+    finer.sums = Sums::Double;  // rounding may be what is left
     if (finer == choice) break;
     choice = finer;
   }

@@ -1,25 +1,28 @@
 #include "kirchhoff/spectrum_transform.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <memory>
 #include <numbers>
 #include <utility>
 
+#include "core/large_pages.h"
 #include "core/parallel.h"
 #include "kirchhoff/disk_geometry.h"
 #include "kirchhoff/kirchhoff.h"
 #include "kirchhoff/sphere_nodes.h"
+#include "kirchhoff/term_tables.h"
 
 namespace micro {
 namespace {
 
 using std::numbers::pi;
 
-/// Bytes of spectra along x and of tables of φ_k and c_k that are held at once, and terms of one pass.
-constexpr std::int64_t kSpectraBytes = std::int64_t{1} << 28, kTableBytes = std::int64_t{1} << 28;
-constexpr std::int64_t kFewestTerms = 8, kMostTerms = 96;
+/// Bytes of spectra along x that are held at once, and the fewest terms of one pass (term_tables.h).
+constexpr std::int64_t kSpectraBytes = std::int64_t{1} << 28, kFewestTerms = 8;
 /// Bytes of partial sums that are held at once where there is more than one pass: decides how many
 /// wavelengths go together.
 constexpr std::int64_t kFieldBytes = std::int64_t{1} << 29;
@@ -28,6 +31,13 @@ constexpr double kOversampling = 1.5;
 /// Columns and rows of wave numbers of one tile, so that it stays in the caches; nodes along x of one.
 constexpr std::int64_t kTileColumns = 24, kTileRows = 24;
 constexpr int kTileNodes = 32;
+/// Entries of a table of c_k that one thread makes at a time.
+constexpr std::int64_t kEntryBlock = 256;
+
+/// The grids of wave numbers that serve all |q| up to that of the shortest wavelength.
+struct Axes {
+  SpectrumAxis x, y;
+};
 
 /// All that belongs to one wavelength.
 template <typename Real>
@@ -35,7 +45,8 @@ struct Sphere {
   std::size_t index;                     ///< of the wavelength
   double radius, spacing;                ///< |q| and the nodes' distance, rad/µm
   NodeStencils<Real> x, y;               ///< of k_x = 0 … c and k_y = −c … c
-  std::vector<double> plate_x, plate_y;  ///< ∫e^{−iqx}dx over the surface's sides about its middle
+  std::vector<double> plate_x, plate_y;  ///< ∫e^{−iqx}dx over the surface's sides about its middle, where
+                                         ///< no triangle is missing
   Grid<float> density;
   FftVector<Real> field;  ///< [k_x, k_y, 4] partial sums (sphere_nodes.h) between passes, or none
 };
@@ -47,58 +58,58 @@ double plate_spectrum(double q, double side) {
 }
 
 template <typename Real>
-Sphere<Real> make_sphere(std::size_t index, double lambda_q, const DiskGrid& grid, const SpectrumAxis& x,
-                         const SpectrumAxis& y) {
+Sphere<Real> make_sphere(std::size_t index, double lambda_q, const DiskGrid& grid, const Axes& axes) {
   Sphere<Real> sphere{};
   sphere.index = index;
   sphere.radius = 4 * pi / lambda_q;
   sphere.spacing = sphere.radius * grid.spacing();
   const int half = (grid.size - 1) / 2;
-  sphere.x = make_node_stencils<Real>(x, sphere.spacing, 0, half);
-  sphere.y = make_node_stencils<Real>(y, sphere.spacing, -half, half);
-  for (int k = 0; k <= half; ++k) {
-    sphere.plate_x.push_back(plate_spectrum(sphere.spacing * k, x.side));
-    sphere.plate_y.push_back(plate_spectrum(sphere.spacing * k, y.side));
-  }
-  sphere.density = Grid<float>::Zero(grid.size, grid.size);
+  sphere.x = make_node_stencils<Real>(axes.x, sphere.spacing, 0, half);
+  sphere.y = make_node_stencils<Real>(axes.y, sphere.spacing, -half, half);
+  sphere.density.resize(grid.size, grid.size);
+  prefer_large_pages(sphere.density.data(), sizeof(float) * static_cast<std::size_t>(sphere.density.size()));
+  sphere.density.setZero();
   return sphere;
 }
 
-/// Entries of a table of c_k.
-int coefficient_entries(double phase_reach, double tolerance) {
-  // The error of linear interpolation is (phase step)²/8; densities are float in the end.
+template <typename Real>
+void make_plates(const Axes& axes, Sphere<Real>& sphere) {
+  for (std::size_t k = 0; k < sphere.x.start.size(); ++k) {
+    const double q = sphere.spacing * static_cast<double>(k);
+    sphere.plate_x.push_back(plate_spectrum(q, axes.x.side));
+    sphere.plate_y.push_back(plate_spectrum(q, axes.y.side));
+  }
+}
+
+/// Tables for all wavelengths; densities are float in the end.
+TermTables make_tables(double phase_reach, double tolerance) {
   constexpr double kFinest = 1e-8, kMost = 1e9;
-  const double wanted = phase_reach / std::sqrt(8 * std::max(tolerance, kFinest) / 10);
-  return static_cast<int>(std::min(std::ceil(wanted), kMost)) + 16;
+  const double entries = std::min(coefficient_entries(phase_reach, std::max(tolerance, kFinest)), kMost);
+  return {function_entries(phase_reach), static_cast<std::int64_t>(entries)};
 }
 
 template <typename Real>
 TermCoefficients<Real> make_coefficients(const NestedTerms& terms, double phase_reach, const WaveRange& q,
                                          const TermBatch& batch, double tolerance) {
   TermCoefficients<Real> table;
-  table.entries = coefficient_entries(phase_reach, tolerance);
+  table.entries = static_cast<int>(make_tables(phase_reach, tolerance).coefficients);
   table.low = q.low;
   table.per_q = (table.entries - 1) / std::max(q.high - q.low, 1e-9 * q.high);
   table.padded = (batch.terms() + kTermLanes - 1) / kTermLanes * kTermLanes;
   table.data.assign(static_cast<std::size_t>(table.entries) * 2 * table.padded, 0);
-  const Eigen::ArrayXXcd c = terms.coefficients(table.entries, batch.first, batch.count);
+  const Grid<std::complex<double>> c = terms.coefficients(table.entries, batch.first, batch.count);
   const int skipped = batch.with_area ? 1 : 0;
-  for (int e = 0; e < table.entries; ++e) {
-    Real* at = table.data.data() + std::int64_t{e} * 2 * table.padded;
-    for (int k = 0; k < batch.count; ++k) {
-      at[skipped + k] = static_cast<Real>(c(e, k).real());
-      at[table.padded + skipped + k] = static_cast<Real>(c(e, k).imag());
+  parallel_blocks(table.entries, kEntryBlock, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t e = begin; e < end; ++e) {
+      Real* at = table.data.data() + e * 2 * table.padded;
+      for (int k = 0; k < batch.count; ++k) {
+        at[skipped + k] = static_cast<Real>(c(e, k).real());
+        at[table.padded + skipped + k] = static_cast<Real>(c(e, k).imag());
+      }
+      if (batch.with_area) at[0] = static_cast<Real>(q.low + static_cast<double>(e) / table.per_q);
     }
-    if (batch.with_area) at[0] = static_cast<Real>(q.low + e / table.per_q);
-  }
+  });
   return table;
-}
-
-/// Terms of one pass. `term_bytes`, `term_tables`: of one term's spectra, and of its tables while they are
-/// made.
-int terms_at_once(std::int64_t term_bytes, std::int64_t term_tables) {
-  return static_cast<int>(
-      std::clamp(std::min(kSpectraBytes / term_bytes, kTableBytes / term_tables), kFewestTerms, kMostTerms));
 }
 
 std::vector<TermBatch> make_batches(int terms, bool with_area, int most) {
@@ -138,13 +149,18 @@ class Pass {
       last_row = std::max(last_row, sphere.y.start.back() + 1);
     }
     const std::int32_t first_row = -static_cast<std::int32_t>(y_.reach);
-    parallel_blocks(last - first, kTileColumns, [&](std::int64_t begin, std::int64_t end) {
-      const TermColumns<Real> columns =
-          spectra_.columns(first + begin, end - begin + spheres.front().x.width - 1);
+    // Workers rather than blocks in parallel: each keeps its memory from one to the next.
+    std::atomic<std::int64_t> next = first;
+    parallel_for(thread_count(), [&](std::int64_t) {
+      TermColumns<Real> columns;
       TileMemory<Real> memory;
-      for (std::int64_t row = first_row; row < last_row; row += kTileRows)
-        for (Sphere<Real>& sphere : spheres)
-          visit(sphere, columns, first + begin, first + end, row, row + kTileRows, memory, flush);
+      for (std::int64_t begin; (begin = next.fetch_add(kTileColumns)) < last;) {
+        const std::int64_t end = std::min<std::int64_t>(begin + kTileColumns, last);
+        spectra_.columns(begin, end - begin + spheres.front().x.width - 1, columns);
+        for (std::int64_t row = first_row; row < last_row; row += kTileRows)
+          for (Sphere<Real>& sphere : spheres)
+            visit(sphere, columns, begin, end, row, row + kTileRows, memory, flush);
+      }
     });
   }
 
@@ -214,41 +230,65 @@ void add_tile(const SphereTile<Real>& tile, TileMemory<Real>& memory, Sphere<Rea
   }
 }
 
-/// Writes a tile's densities. `plate`: of a complete rectangle, q_z·I[1] is still to be added.
+/// The nodes of a quarter of the disk.
+struct DiskQuarter {
+  explicit DiskQuarter(const DiskGrid& grid) {
+    const int half = (grid.size - 1) / 2;
+    for (int k = 0; k <= half; ++k) {
+      int nodes = 0;
+      while (nodes <= half && grid.mz2(half + k, half + nodes) > 0)
+        ++nodes;
+      inside.push_back(nodes);
+      squares.push_back(grid.coordinate(half + k) * grid.coordinate(half + k));
+    }
+  }
+  std::vector<int> inside;      ///< of row k ≥ 0, those of k_x = 0 … inside−1
+  std::vector<double> squares;  ///< m_x² of column k ≥ 0
+};
+
+/// Adds q_z·I[1] of a complete rectangle to a row of sums [nodes, 4] of F(q) and F(q').
 template <typename Real>
-void write_tile(const SphereTile<Real>& tile, const TileMemory<Real>& memory, const DiskGrid& grid,
-                double plate, double to_density, Sphere<Real>& sphere) {
-  const int nodes = tile.ky_end - tile.ky_begin, size = grid.size, half = tile.half;
+void add_plate(const Sphere<Real>& sphere, const DiskQuarter& quarter, int ky, int kx_begin, int kx_end,
+               double* sums) {
+  const auto row = static_cast<std::size_t>(std::abs(ky));
+  const double along_y = sphere.radius * sphere.plate_y[row], rest = 1 - quarter.squares[row];
+  for (auto kx = static_cast<std::size_t>(kx_begin); kx < static_cast<std::size_t>(kx_end); ++kx, sums += 4) {
+    const double add = along_y * sphere.plate_x[kx] * std::sqrt(rest - quarter.squares[kx]);
+    sums[0] += add;
+    sums[2] += add;
+  }
+}
+
+/// Writes a tile's densities.
+template <typename Real>
+void write_tile(const SphereTile<Real>& tile, const TileMemory<Real>& memory, const DiskQuarter& quarter,
+                double to_density, Sphere<Real>& sphere) {
+  const int nodes = tile.ky_end - tile.ky_begin, half = tile.half, size = 2 * half + 1;
+  std::array<double, 4 * kTileNodes> sums;
   for (int ky = tile.ky_begin; ky < tile.ky_end; ++ky) {
-    float* up = &sphere.density(half + ky, half);
-    float* down = &sphere.density(half - ky, half);
-    for (int kx = tile.kx_begin; kx < tile.kx_end; ++kx) {
-      const double mz2 = grid.mz2(half + ky, half + kx);
-      if (!(mz2 > 0)) continue;
-      const double add = plate * sphere.radius * std::sqrt(mz2) *
-                         sphere.plate_x[static_cast<std::size_t>(kx)] *
-                         sphere.plate_y[static_cast<std::size_t>(std::abs(ky))];
-      const std::size_t at = (static_cast<std::size_t>(kx - tile.kx_begin) * nodes + ky - tile.ky_begin) * 4;
-      double sum[4];
-      for (int n = 0; n < 4; ++n)
-        sum[n] = static_cast<double>(memory.field[at + n]);
-      if (!sphere.field.empty()) {
+    const int end = std::min(tile.kx_end, quarter.inside[static_cast<std::size_t>(std::abs(ky))]);
+    const Real* at = &memory.field[static_cast<std::size_t>(ky - tile.ky_begin) * 4];
+    double* sum = sums.data();
+    for (int kx = tile.kx_begin; kx < end; ++kx, at += 4 * nodes, sum += 4)
+      std::copy_n(at, 4, sum);
+    if (!sphere.field.empty()) {
+      sum = sums.data();
+      for (int kx = tile.kx_begin; kx < end; ++kx, sum += 4) {
         const Real* earlier = &sphere.field[(static_cast<std::size_t>(kx) * size + ky + half) * 4];
         for (int n = 0; n < 4; ++n)
           sum[n] += static_cast<double>(earlier[n]);
       }
-      sum[0] += add;
-      sum[2] += add;
+    }
+    if (!sphere.plate_x.empty()) add_plate(sphere, quarter, ky, tile.kx_begin, end, sums.data());
+    float* up = &sphere.density(half + ky, half);
+    float* down = &sphere.density(half - ky, half);
+    sum = sums.data();
+    for (int kx = tile.kx_begin; kx < end; ++kx, sum += 4) {
       up[kx] = static_cast<float>(to_density * (sum[0] * sum[0] + sum[1] * sum[1]));
       down[-kx] = static_cast<float>(to_density * (sum[2] * sum[2] + sum[3] * sum[3]));
     }
   }
 }
-
-/// The grids of wave numbers that serve all |q| up to that of the shortest wavelength.
-struct Axes {
-  SpectrumAxis x, y;
-};
 
 Axes make_axes(const HeightField& surface, const DiskGrid& grid, double shortest,
                const SpectralChoice& choice) {
@@ -265,24 +305,22 @@ struct Passes {
   std::int64_t field;        ///< bytes of one wavelength's partial sums
   int terms;                 ///< of one pass
   std::size_t wavelengths;   ///< of one pass
-  double recurrences;        ///< of all of them (SpectralWork)
+  TermTables tables;
 };
 
 template <typename Real>
 Passes plan_passes(const HeightBasis& basis, bool complete, std::size_t wavelengths, const DiskGrid& grid,
                    const Axes& axes, double tolerance) {
-  const int entries = coefficient_entries(basis.phase_reach(), tolerance);
   Passes passes{};
-  passes.term_tables = TermSpectra<Real>::table_bytes_per_term(basis.phase_reach()) +
-                       entries * 2 * std::int64_t{sizeof(double) + sizeof(Real)};
+  passes.tables = make_tables(basis.phase_reach(), tolerance);
+  passes.term_tables = table_bytes(passes.tables, sizeof(Real));
   passes.field = std::int64_t{(grid.size + 1) / 2} * grid.size * 4 * std::int64_t{sizeof(Real)};
-  passes.terms = terms_at_once(TermSpectra<Real>::bytes_per_term(axes.x, axes.y), passes.term_tables);
+  passes.terms =
+      terms_of_a_pass(TermSpectra<Real>::bytes_per_term(axes.x, axes.y), passes.term_tables, kSpectraBytes);
   const int terms = basis.terms() + (complete ? 0 : 1);
   passes.wavelengths = terms <= passes.terms
                            ? wavelengths
                            : static_cast<std::size_t>(std::max<std::int64_t>(1, kFieldBytes / passes.field));
-  passes.recurrences = basis.recurrences(entries) * std::ceil(static_cast<double>(terms) / passes.terms) *
-                       std::ceil(static_cast<double>(wavelengths) / static_cast<double>(passes.wavelengths));
   return passes;
 }
 
@@ -316,23 +354,32 @@ SpectrumDensity transform_spectrum(const HeightField& surface, const DiskGrid& g
   result.work = spectra_work(surface, choice, x, y, left_out.points(), basis.terms() + (complete ? 0 : 1));
   const Passes passes =
       plan_passes<Real>(basis, complete, lambda_q.size(), grid, axes, choice.basis_tolerance);
-  result.work.recurrences = passes.recurrences;
+  // Every pass starts its tables again.
+  const double rounds =
+      std::ceil(static_cast<double>(lambda_q.size()) / static_cast<double>(passes.wavelengths));
+  result.work.tables = rounds * table_work(basis.size(), passes.tables);
+  if (!basis.orthonormal())
+    result.work.recurrences = rounds * std::ceil(static_cast<double>(basis.terms()) / passes.terms) *
+                              basis.terms() * static_cast<double>(passes.tables.coefficients);
   check_work(result.work, nodes, surface, lambda_q.front());
   const NestedTerms terms(basis, q, tolerance);
   const SurfaceQuadrature quadrature(std::move(all), left_out);
-  const double plate = complete ? 1 : 0, to_density = kirchhoff_density(1, area);
+  const double to_density = kirchhoff_density(1, area);
+  const DiskQuarter quarter(grid);
 
   result.tables.resize(lambda_q.size());
   const std::vector<TermBatch> batches = make_batches(terms.terms(), !complete, passes.terms);
   result.work.terms = terms.terms() + (complete ? 0 : 1);
   result.work.transforms = 0;
   for (std::size_t first = 0; first < lambda_q.size(); first += passes.wavelengths) {
-    std::vector<Sphere<Real>> spheres;
-    for (std::size_t k = first; k < std::min(first + passes.wavelengths, lambda_q.size()); ++k) {
-      spheres.push_back(make_sphere<Real>(k, lambda_q[k], grid, x, y));
+    std::vector<Sphere<Real>> spheres(std::min(passes.wavelengths, lambda_q.size() - first));
+    parallel_for(static_cast<std::int64_t>(spheres.size()), [&](std::int64_t k) {
+      const std::size_t index = first + static_cast<std::size_t>(k);
+      spheres[k] = make_sphere<Real>(index, lambda_q[index], grid, axes);
+      if (complete) make_plates(axes, spheres[k]);
       if (batches.size() > 1)
-        spheres.back().field.assign(static_cast<std::size_t>(passes.field) / sizeof(Real), 0);
-    }
+        spheres[k].field.assign(static_cast<std::size_t>(passes.field) / sizeof(Real), 0);
+    });
     for (const TermBatch& batch : batches) {
       const TermSpectra<Real> spectra(quadrature, heights, terms, basis.phase_reach(), batch, x, y,
                                       memory.rows);
@@ -341,7 +388,7 @@ SpectrumDensity transform_spectrum(const HeightField& surface, const DiskGrid& g
       const Pass<Real> pass(grid, terms, batch, coefficients, spectra, y);
       if (&batch == &batches.back())
         pass(spheres, [&](const auto& tile, auto& tile_memory, auto& sphere) {
-          write_tile(tile, tile_memory, grid, plate, to_density, sphere);
+          write_tile(tile, tile_memory, quarter, to_density, sphere);
         });
       else
         pass(spheres,

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/parallel.h"
+#include "kirchhoff/term_tables.h"
 
 namespace micro {
 namespace {
@@ -19,20 +20,15 @@ constexpr std::int64_t kSparePoints = 16;
 constexpr std::int64_t kRowGroup = 8;
 /// Groups of rows handed out together: the lattice rows at either end are spread twice.
 constexpr std::int64_t kBandGroups = 8;
-
-int function_entries(double phase_reach) {
-  // The cubic's error is (phase step)⁴/384: 4e-8 at 1/16 rad.
-  constexpr double kPhaseStep = 1.0 / 16;
-  constexpr double kMost = 1e9;
-  return static_cast<int>(std::min(std::ceil(2 * phase_reach / kPhaseStep), kMost)) + 16;
-}
+/// Entries of a table of φ_k that one thread makes at a time.
+constexpr std::int64_t kEntryBlock = 256;
 
 /// φ_k at equidistant heights; I[1], where it is among the terms, is that of φ = 1 without a rim.
 template <typename Real>
 FunctionTable<Real> make_function_table(const NestedTerms& terms, const HeightHistogram& heights,
                                         double phase_reach, const TermBatch& batch) {
   FunctionTable<Real> table;
-  table.entries = function_entries(phase_reach);
+  table.entries = static_cast<int>(function_entries(phase_reach));
   table.low = heights.low;
   table.per_height = (table.entries - 1) / std::max(heights.high - heights.low, 1e-30);
   table.padded = (batch.terms() + kTermLanes - 1) / kTermLanes * kTermLanes;
@@ -40,14 +36,16 @@ FunctionTable<Real> make_function_table(const NestedTerms& terms, const HeightHi
   table.on_rim.assign(static_cast<std::size_t>(table.padded), 1);
   const HeightBasis::Functions f = terms.functions(table.entries, batch.first, batch.count);
   const int skipped = batch.with_area ? 1 : 0;
-  for (int e = 0; e < table.entries; ++e) {
-    Real* value = table.data.data() + static_cast<std::size_t>(e) * 2 * table.padded;
-    for (int k = 0; k < batch.count; ++k) {
-      value[skipped + k] = static_cast<Real>(f.value(e, k));
-      value[table.padded + skipped + k] = static_cast<Real>(f.derivative(e, k));
+  parallel_blocks(table.entries, kEntryBlock, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t e = begin; e < end; ++e) {
+      Real* value = table.data.data() + e * 2 * table.padded;
+      for (int k = 0; k < batch.count; ++k) {
+        value[skipped + k] = static_cast<Real>(f.value(e, k));
+        value[table.padded + skipped + k] = static_cast<Real>(f.derivative(e, k));
+      }
+      if (batch.with_area) value[0] = 1;
     }
-    if (batch.with_area) value[0] = 1;
-  }
+  });
   if (batch.with_area) table.on_rim[0] = 0;
   return table;
 }
@@ -161,11 +159,6 @@ std::int64_t TermSpectra<Real>::bytes_per_term(const SpectrumAxis& x, const Spec
   return x.count() * padded_rows_of(y) * static_cast<std::int64_t>(sizeof(std::complex<Real>));
 }
 
-template <typename Real>
-std::int64_t TermSpectra<Real>::table_bytes_per_term(double phase_reach) {
-  return function_entries(phase_reach) * 2 * std::int64_t{sizeof(double) + sizeof(Real)};
-}
-
 SpectralWork spectra_work(const HeightField& surface, const SpectralChoice& choice, const SpectrumAxis& x,
                           const SpectrumAxis& y, std::int64_t steep_points, int terms) {
   SpectralWork work;
@@ -174,6 +167,7 @@ SpectralWork spectra_work(const HeightField& surface, const SpectralChoice& choi
   work.transforms = (std::int64_t{terms} + 1) / 2 * 2 * (y.points() + x.count());
   work.spread = spread_work(surface, choice, x.points(), steep_points, terms);
   work.steep_points = steep_points;
+  work.sums = choice.sums;
   return work;
 }
 
@@ -277,16 +271,23 @@ void TermSpectra<Real>::unpack(const std::complex<Real>* plus, const std::comple
 }
 
 template <typename Real>
-TermColumns<Real> TermSpectra<Real>::columns(std::int64_t first, std::int64_t columns) const {
-  TermColumns<Real> result{first, columns, y_.count(), padded_, {}};
-  result.data.resize(static_cast<std::size_t>(columns * result.rows * 4 * padded_));
-  FftVector<std::complex<Real>> plus(static_cast<std::size_t>(2 * fields_ * y_.length)), minus(plus.size());
+void TermSpectra<Real>::columns(std::int64_t first, std::int64_t columns, TermColumns<Real>& result) const {
+  // What pads the terms stays zero.
+  if (result.rows != y_.count() || result.padded != padded_) result.data.clear();
+  result.first_column = first;
+  result.columns = columns;
+  result.rows = y_.count();
+  result.padded = padded_;
+  const auto size = static_cast<std::size_t>(columns * result.rows * 4 * padded_);
+  if (result.data.size() < size) result.data.resize(size);
+  const auto column_size = static_cast<std::size_t>(2 * fields_ * y_.length);
+  result.transforms.resize(2 * column_size);
+  std::complex<Real>*plus = result.transforms.data(), *minus = plus + column_size;
   for (std::int64_t column = first; column < first + columns; ++column) {
-    transform_column(column, plus.data());
-    transform_column(-column, minus.data());
-    unpack(plus.data(), minus.data(), column, result);
+    transform_column(column, plus);
+    transform_column(-column, minus);
+    unpack(plus, minus, column, result);
   }
-  return result;
 }
 
 template class TermSpectra<float>;

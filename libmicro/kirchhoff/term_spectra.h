@@ -60,9 +60,10 @@ struct TermBatch {
 /// I[1] and R̂ is zero there.
 template <typename Real>
 struct TermColumns {
-  std::int64_t first_column, columns, rows;  ///< column index j from first_column; row index −reach …
-  int padded;                                ///< terms, a multiple of kTermLanes
+  std::int64_t first_column = 0, columns = 0, rows = 0;  ///< column j from first_column; row from −reach …
+  int padded = 0;                                        ///< terms, a multiple of kTermLanes
   FftVector<Real> data;
+  FftVector<std::complex<Real>> transforms;  ///< while they are made
   const Real* at(std::int64_t column, std::int64_t row) const {
     return data.data() + ((column - first_column) * rows + row) * 4 * padded;
   }
@@ -77,9 +78,8 @@ SpectralWork spectra_work(const HeightField& surface, const SpectralChoice& choi
 template <typename Real>
 class TermSpectra {
  public:
-  /// Bytes that one term takes, and its table of φ_k while it is made.
+  /// Bytes that one term takes.
   static std::int64_t bytes_per_term(const SpectrumAxis& x, const SpectrumAxis& y);
-  static std::int64_t table_bytes_per_term(double phase_reach);
 
   /// `memory` holds the rows' spectra, and may serve one surface after the other.
   TermSpectra(const SurfaceQuadrature& quadrature, const HeightHistogram& heights, const NestedTerms& terms,
@@ -92,8 +92,9 @@ class TermSpectra {
   /// Of memory held for the sources while their spectra were made.
   std::int64_t source_bytes() const { return source_bytes_; }
 
-  /// Columns first … first+columns−1, all within ±reach; callable from several threads.
-  TermColumns<Real> columns(std::int64_t first, std::int64_t columns) const;
+  /// Columns first … first+columns−1, all within ±reach, into `result`, whose memory is used again; callable
+  /// from several threads.
+  void columns(std::int64_t first, std::int64_t columns, TermColumns<Real>& result) const;
 
  private:
   /// Fields: two terms each, those of Â before those of R̂.
