@@ -65,7 +65,7 @@ fuzz() {  # fuzz FORMAT EXECUTIONS MEGABYTES SECONDS BYTES
   export ASAN_OPTIONS=allocator_may_return_null=1:max_allocation_size_mb=$3:alloc_dealloc_mismatch=0:detect_leaks=0:log_path=found/$format/report
   while [[ $SECONDS -lt $end && $total -lt $executions ]]; do
     "./fuzz_$format" "${folders[@]}" -max_len="$5" -timeout="$4" -rss_limit_mb=4096 \
-      -max_total_time=$((end - SECONDS)) -runs=$((executions - total)) -print_final_stats=1 \
+      -max_total_time=$((end - SECONDS)) -runs=$((executions - total)) -print_final_stats=1 -report_slow_units="$4" \
       -artifact_prefix="found/$format/" "${survive[@]}" >"$log" 2>&1 || true
     ran=$(sed -n -e 's/^stat::number_of_executed_units: *//p' -e 's/^#\([0-9]*\): cov: .*/\1/p' "$log" | tail -n 1)
     [[ ${ran:-0} -gt 0 ]] || { tail -n 20 "$log" >&2; exit 1; }
