@@ -43,6 +43,13 @@ struct Descent {
   bool converged = false;
 };
 
+/// Where a descent may start, and what the Gram matrix lacks of the cost's curvature there, where known.
+struct Start {
+  SlopeFrame frame;
+  Matrix5 lacking = Matrix5::Zero();
+  int iterations = 0;  ///< that it took
+};
+
 /// What the Gram matrix lacks of the cost's curvature where a model does not fit, from the change of the
 /// gradient over a step: the least change of S with (gram + S)·step = drop, sized [Dennis81].
 /// `drop` is the gradient before less that after, `gram` that after.
@@ -59,15 +66,26 @@ Matrix5 with_secant(const Matrix5& secant, const Matrix5& gram, const Vector5& s
          change.dot(step) / (along * along) * drop * drop.transpose();
 }
 
+/// The same near a minimum from differences of the gradient: six more sums.
+template <typename EquationsAt>
+Matrix5 lacking_curvature(const SlopeFrame& frame, EquationsAt&& equations_at) {
+  constexpr double kStep = 1e-4;  // widths
+  const NormalEquations here = equations_at(frame);
+  Matrix5 curvature;
+  for (int k = 0; k < 5; ++k)
+    curvature.col(k) =
+        (here.gradient - equations_at(moved(frame, kStep * Vector5::Unit(k))).gradient) / kStep;
+  return (curvature + curvature.transpose()) / 2 - here.gram;
+}
+
 /// Levenberg–Marquardt [Marquardt63] in the frame's own coordinates with the curvature that the Gram matrix
 /// lacks; `equations_at` gives the sums for a frame. The step that is found small enough is taken unseen.
 template <typename EquationsAt>
-Descent descend(const SlopeFrame& start, double damping, const Accuracy& accuracy,
-                EquationsAt&& equations_at) {
+Descent descend(const Start& start, double damping, const Accuracy& accuracy, EquationsAt&& equations_at) {
   constexpr double kLongestStep = 1, kLeastDamping = 1e-12, kMostDamping = 1e12, kSingular = 1e-14;
   constexpr double kHardlyDamped = 1e-2;
-  Descent descent{start, equations_at(start)};
-  Matrix5 secant = Matrix5::Zero(), trusted = secant;
+  Descent descent{start.frame, equations_at(start.frame)};
+  Matrix5 secant = start.lacking, trusted = secant;
   while (descent.iterations < accuracy.most) {
     const NormalEquations& now = descent.equations;
     const Vector5 diagonal = now.gram.diagonal();
@@ -145,9 +163,9 @@ Descent descend_on_core(const DiskTable& table, FitModel model, Weighting weight
   const SlopeFrame scatter = slope_scatter(core, table.grid);
   const auto quadric = quadric_start(core, scatter, model, weighting);
   const bool by_quadric = quadric && equations_at(*quadric).cost < equations_at(scatter).cost;
-  Descent best = descend(by_quadric ? *quadric : scatter, kDamping, kRough, equations_at);
+  Descent best = descend({by_quadric ? *quadric : scatter}, kDamping, kRough, equations_at);
   if (best.equations.cost <= kGood * kGood * best.equations.data) return best;
-  Descent other = descend(peak_start(core, scatter), kDamping, kRough, equations_at);
+  Descent other = descend({peak_start(core, scatter)}, kDamping, kRough, equations_at);
   other.iterations += best.iterations;
   best.iterations = other.iterations;
   return other.equations.cost < best.equations.cost ? other : best;
@@ -172,20 +190,21 @@ double nodes_across(const SlopeFrame& frame, FitModel model, const DiskGrid& gri
 
 /// The core weighs nodes otherwise than the table does, which moves the minimum of a model that does not fit.
 /// A part of a large table's nodes goes there first: a sixteenth where the lobe is wide enough for it, or
-/// where the tails decide; a quarter where it is half as wide.
-Descent descend_on_strides(const Descent& start, const DiskTable& table, FitModel model,
-                           Weighting weighting) {
+/// where the tails decide; a quarter where it is half as wide. Their curvature serves for all nodes.
+Start descend_on_strides(const Descent& start, const DiskTable& table, FitModel model, Weighting weighting) {
   constexpr double kNodesAcross = 4, kDamping = 1e-6;  // nodes left across the lobe
-  constexpr Accuracy kFair{.tolerance = 1e-4};
+  constexpr Accuracy kFair{.tolerance = 1e-4, .most = 50};
   const double across = nodes_across(start.frame, model, table.grid) / kNodesAcross;
   const Eigen::Index stride = weighting == Weighting::Log || across >= 4 ? 4 : across >= 2 ? 2 : 1;
-  if (table.grid.size < kSmall || stride == 1) return start;
+  if (table.grid.size < kSmall || stride == 1) return {.frame = start.frame, .iterations = start.iterations};
   const TableNodes strided = strided_nodes(table, stride);
-  Descent end = descend(start.frame, kDamping, kFair, [&](const SlopeFrame& frame) {
+  const auto equations_at = [&](const SlopeFrame& frame) {
     return normal_equations(span_of(strided), frame, model, weighting);
-  });
-  end.iterations += start.iterations;
-  return end;
+  };
+  const Descent end = descend({start.frame}, kDamping, kFair, equations_at);
+  const auto nodes_each = static_cast<double>(stride * stride);
+  return {end.frame, nodes_each * lacking_curvature(end.frame, equations_at),
+          start.iterations + end.iterations};
 }
 
 }  // namespace
@@ -300,7 +319,7 @@ Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
   constexpr double kDamping = 1e-6, kTolerance = 1e-6;
   constexpr double kKnown = 1;  // width
   if (auto empty = empty_fit(table, model)) return *empty;
-  const Descent start = descend_on_strides(descend_on_core(table, model, weighting), table, model, weighting);
+  const Start start = descend_on_strides(descend_on_core(table, model, weighting), table, model, weighting);
   TableEquations equations(table);
   const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
   const bool resolved = weighting == Weighting::Log ||  // tails tell of the width
@@ -309,8 +328,7 @@ Fit fit(const DiskTable& table, FitModel model, Weighting weighting) {
                           .most = table.grid.size < kSmall ? kMostSteps
                                   : resolved               ? kMostOnLarge
                                                            : kMostUnresolved};
-  Fit result =
-      conclude(descend(start.frame, kDamping, accuracy, equations_at), equations, table, model, weighting);
+  Fit result = conclude(descend(start, kDamping, accuracy, equations_at), equations, table, model, weighting);
   result.iterations += start.iterations;
   if (result.status == FitStatus::Converged && !(barely_known(result.step_covariance).error <= kKnown))
     result.status = FitStatus::Undetermined;
@@ -324,7 +342,7 @@ Fit fit_from(const SlopeFrame& start, double tolerance, const DiskTable& table, 
   TableEquations equations(table);
   const auto equations_at = [&](const SlopeFrame& frame) { return equations(frame, model, weighting); };
   const Accuracy accuracy{.tolerance = tolerance, .least_gain = tolerance * tolerance};
-  return conclude(descend(start, kDamping, accuracy, equations_at), equations, table, model, weighting);
+  return conclude(descend({start}, kDamping, accuracy, equations_at), equations, table, model, weighting);
 }
 
 }  // namespace micro

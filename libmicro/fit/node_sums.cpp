@@ -105,6 +105,7 @@ NodeSums add_up(const NodeSumInput& in) {
       const V z2 = hn::NegMulAdd(x, x, hn::NegMulAdd(y, y, one));
       const M on_disk = hn::And(inside, hn::Gt(z2, horizon));
       const M counts = kLog ? hn::And(on_disk, hn::Ge(data, hn::Set(d, kLeastDensity))) : on_disk;
+      if (kLog && hn::AllFalse(d, counts)) continue;  // histograms hold many zeros
       const V safe2 = hn::IfThenElse(counts, z2, one), z = hn::Sqrt(safe2);
       const V weight = hn::IfThenElseZero(counts, hn::Div(one, hn::Max(z, least_z)));
       const V v1 = hn::Mul(hn::MulAdd(tx, z, x), i11);
