@@ -115,6 +115,24 @@ TEST(SlopeSpace, RoundLobesHaveNoThirdAngle) {
   EXPECT_NEAR(std::abs(canonical_parameters(slope_frame({0.2, 0.1, 0, 0, kPi / 2})).theta_z), kPi / 2, 1e-15);
 }
 
+// Of equal axes one may be turned towards n, so its own axis is the third of a round lobe up to 54.7° and can
+// no longer be beyond. The distribution and its place in slope space do not jump.
+TEST(SlopeSpace, RoundLobesAreWrittenByAnotherAxisBeyondTheirLargestTilt) {
+  constexpr double kDegree = kPi / 180, kSame = 1e-9;
+  const SlopeFrame below = slope_frame({0.2, 0.2, 0, 54 * kDegree, 0}),
+                   beyond = slope_frame({0.2, 0.2, 0, 55 * kDegree, 0});
+  const EllipsoidParameters near = canonical_parameters(below), far = canonical_parameters(beyond);
+  EXPECT_NEAR(near.alpha_x, 0.2, kSame);
+  EXPECT_NEAR(near.alpha_y, 0.2, kSame);
+  EXPECT_NEAR(near.theta_y, 54 * kDegree, kSame);
+  EXPECT_NEAR(far.alpha_x, 5, kSame);
+  EXPECT_NEAR(far.alpha_y, 1, kSame);
+  EXPECT_EQ(far.theta_x, 0);
+  EXPECT_NEAR(far.theta_y, -35 * kDegree, kSame);
+  EXPECT_LE(distance(slope_frame(far), beyond), kSame);
+  EXPECT_LE(distance(below, beyond), 0.5);
+}
+
 TEST(SlopeSpace, RefusesWhatIsNoEllipsoid) {
   EXPECT_THROW(slope_frame({0, 0.1, 0, 0, 0}), InputError);
   EXPECT_THROW(slope_frame({0.1, -0.1, 0, 0, 0}), InputError);

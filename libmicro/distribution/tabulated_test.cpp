@@ -277,6 +277,31 @@ TEST(Tabulated, SamplesFollowTheirDensitiesWhereHardlyAnythingIsVisible) {
   EXPECT_GE(seen_in_part, 1);
 }
 
+// Views that see next to nothing: from below the lobe's own horizon, to where samples fall back on pdf.
+// Smooth lobes keep their promise; a single node's end falls between the masking table's nodes.
+TEST(Tabulated, HardlyVisibleNormalsIntegrateToOneWithinTheStatedBounds) {
+  const DiskTable lobe = tabulate(Beckmann(slope_frame({0.1, 0.1, 0, 0.8, 0})), {65, 1});
+  DiskTable node = make_disk_table({33, 0.5});
+  node.density(20, 25) = 3;
+  for (const auto& [table, bound] : {std::pair(&lobe, 1.5e-3), {&node, 0.12}}) {
+    const Tabulated tabulated(*table);
+    const SlopeFrame frame = slope_scatter(core_nodes(*table, 8192), table->grid);
+    int views = 0;
+    for (std::uint64_t k = 0; k < 60; ++k) {
+      const auto [a, b] = random_uniform(11, 0, k);
+      const double phi = 2 * kPi * a, y = std::sin(phi) / frame.l22,
+                   x = (std::cos(phi) - frame.l21 * y) / frame.l11;
+      const Vec3 u = Vec3(x, y, 1.4 * b - 2 + frame.centre.dot(Vec2(x, y))).normalized();
+      if (!(u.z() > 0)) continue;
+      ++views;
+      const double total = sum(integrate_cells(
+          table->grid, 12, [&](const Vec3& m) { return tabulated.pdf_visible(u, m) / m.z(); }));
+      EXPECT_NEAR(total, 1, bound) << u.transpose();
+    }
+    EXPECT_GE(views, 10);
+  }
+}
+
 TEST(Tabulated, RefusesWhatIsNoDistribution) {
   DiskTable table = make_disk_table({15, 0.6});
   EXPECT_THROW(Tabulated{table}, InputError);
