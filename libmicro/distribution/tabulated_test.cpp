@@ -291,7 +291,7 @@ TEST(Tabulated, HardlyVisibleNormalsIntegrateToOneWithinTheStatedBounds) {
       const auto [a, b] = random_uniform(11, 0, k);
       const double phi = 2 * kPi * a, y = std::sin(phi) / frame.l22,
                    x = (std::cos(phi) - frame.l21 * y) / frame.l11;
-      const Vec3 u = Vec3(x, y, 1.4 * b - 2 + frame.centre.dot(Vec2(x, y))).normalized();
+      const Vec3 u = Vec3(x, y, frame.centre.dot(Vec2(x, y)) - 1.5 - 4 * b).normalized();
       if (!(u.z() > 0)) continue;
       ++views;
       const double total = sum(integrate_cells(
