@@ -61,6 +61,13 @@ std::vector<Eigen::Index> begins_of(const std::vector<ScanTexels>& cuts, Eigen::
   return begins;
 }
 
+/// A texel of a scan, and where in the grid it lies.
+struct PlacedTexel {
+  std::int64_t place;
+  std::int32_t scan;
+  std::size_t of_scan;
+};
+
 /// Puts the scans' texels into the grid. Scans of different sizes leave gaps where others of their row or
 /// column of the layout hold more: a strip across beside one along, strips of unequal length.
 void assemble(Texels& texels, std::vector<ScanTexels>& cuts, const TexelLayout& layout,
@@ -82,22 +89,24 @@ void assemble(Texels& texels, std::vector<ScanTexels>& cuts, const TexelLayout& 
   texels.rows = row_begins.back();
   texels.cols = col_begins.back();
   require_few_texels(texels.rows, texels.cols);
-  const auto count = static_cast<std::size_t>(texels.rows * texels.cols);
-  texels.texels.resize(count);
-  texels.states.assign(count, TexelState::Gap);
-  texels.scan.assign(count, -1);
+  std::vector<PlacedTexel> placed;
   for (std::size_t k = 0; k < cuts.size(); ++k) {
-    SurfaceTexels& cut = cuts[k].cut;
+    const SurfaceTexels& cut = cuts[k].cut;
     if (cuts[k].record.failure) continue;
     const Eigen::Index top = row_begins[static_cast<std::size_t>(layout.places[k]->row)],
                        left = col_begins[static_cast<std::size_t>(layout.places[k]->col)];
     for (Eigen::Index j = 0; j < cut.rows; ++j)
-      for (Eigen::Index i = 0; i < cut.cols; ++i) {
-        const auto place = static_cast<std::size_t>((top + j) * texels.cols + left + i);
-        texels.texels[place] = std::move(cut.texels[static_cast<std::size_t>(j * cut.cols + i)]);
-        texels.scan[place] = static_cast<std::int32_t>(k);
-        if (texels.texels[place].normals > 0) texels.states[place] = TexelState::Fitted;
-      }
+      for (Eigen::Index i = 0; i < cut.cols; ++i)
+        placed.push_back({(top + j) * texels.cols + left + i, static_cast<std::int32_t>(k),
+                          static_cast<std::size_t>(j * cut.cols + i)});
+  }
+  std::sort(placed.begin(), placed.end(), [](const auto& a, const auto& b) { return a.place < b.place; });
+  for (const PlacedTexel& at : placed) {
+    Texel& texel = cuts[static_cast<std::size_t>(at.scan)].cut.texels[at.of_scan];
+    texels.places.push_back(at.place);
+    texels.scan.push_back(at.scan);
+    texels.states.push_back(texel.normals > 0 ? TexelState::Fitted : TexelState::Gap);
+    texels.texels.push_back(std::move(texel));
   }
 }
 

@@ -31,7 +31,7 @@ enum class TexelState : std::int32_t {
   Few,       ///< as fitted from too few, since the set does not say what is usual
 };
 
-/// A grid of texels [rows, cols], row-major.
+/// A grid of texels [rows, cols]: those that scans cover. Other places are gaps and take no memory.
 struct Texels {
   Eigen::Index rows = 0, cols = 0;
   double width = 0, height = 0;  ///< µm, of a texel
@@ -39,8 +39,9 @@ struct Texels {
   int ndf_size = 0;
   Vec2 tilt = {0, 0};  ///< common slope that was removed
   std::vector<Texel> texels;
-  std::vector<TexelState> states;
-  std::vector<std::int32_t> scan;  ///< which one it lies in; −1 none
+  std::vector<TexelState> states;    ///< of each texel
+  std::vector<std::int32_t> scan;    ///< which one each lies in
+  std::vector<std::int64_t> places;  ///< row·cols + col of each, ascending
   std::vector<ScanRecord> scans;
   Plan plan;
   double seconds = 0;

@@ -13,9 +13,10 @@ void write_numbers(Hdf5Writer& file, const Texels& texels, const std::string& na
                    const std::vector<std::string>& channels,
                    const std::function<void(const Texel&, float*)>& numbers_of) {
   const std::size_t n = channels.size();
-  std::vector<float> values(texels.texels.size() * n, std::nanf(""));
+  std::vector<float> values(static_cast<std::size_t>(texels.rows * texels.cols) * n, std::nanf(""));
   for (std::size_t k = 0; k < texels.texels.size(); ++k)
-    if (texels.states[k] != TexelState::Gap) numbers_of(texels.texels[k], &values[k * n]);
+    if (texels.states[k] != TexelState::Gap)
+      numbers_of(texels.texels[k], &values[static_cast<std::size_t>(texels.places[k]) * n]);
   const std::string dataset = "/texels/" + name;
   file.write<float>(dataset, values,
                     {static_cast<std::size_t>(texels.rows), static_cast<std::size_t>(texels.cols), n});
@@ -96,10 +97,14 @@ void write_texels(Hdf5Writer& file, const Texels& texels) {
   write_numbers(file, texels, "independent_normals", {"normals"},
                 [](const Texel& texel, float* out) { *out = static_cast<float>(texel.independent); });
   const Shape grid = {static_cast<std::size_t>(texels.rows), static_cast<std::size_t>(texels.cols)};
-  std::vector<std::int32_t> status, state;
+  const std::size_t places = grid[0] * grid[1];
+  std::vector<std::int32_t> status(places, static_cast<std::int32_t>(FitStatus::Empty)),
+      state(places, static_cast<std::int32_t>(TexelState::Gap)), scan(places, -1);
   for (std::size_t k = 0; k < texels.texels.size(); ++k) {
-    status.push_back(static_cast<std::int32_t>(texels.texels[k].fit.status));
-    state.push_back(static_cast<std::int32_t>(texels.states[k]));
+    const auto place = static_cast<std::size_t>(texels.places[k]);
+    status[place] = static_cast<std::int32_t>(texels.texels[k].fit.status);
+    state[place] = static_cast<std::int32_t>(texels.states[k]);
+    scan[place] = texels.scan[k];
   }
   file.write<std::int32_t>("/texels/status", status, grid);
   std::vector<std::string> names;
@@ -109,18 +114,16 @@ void write_texels(Hdf5Writer& file, const Texels& texels) {
   file.write<std::int32_t>("/texels/state", state, grid);
   names = {"gap", "fitted", "shrunk", "few"};
   file.set_attribute("/texels/state", "names_from_minus_1", std::span<const std::string>(names));
-  file.write<std::int32_t>("/texels/scan", texels.scan, grid);
+  file.write<std::int32_t>("/texels/scan", scan, grid);
   for (const char* name : {"parameters", "standard_error", "location", "scale", "status", "state", "scan"}) {
     file.attach_scale(std::string("/texels/") + name, 0, "/texels/y", "y");
     file.attach_scale(std::string("/texels/") + name, 1, "/texels/x", "x");
   }
   if (texels.ndf_size == 0) return;
   const auto size = static_cast<std::size_t>(texels.ndf_size);
-  std::vector<float> tables(texels.texels.size() * size * size);
-  for (std::size_t k = 0; k < texels.texels.size(); ++k)
-    std::copy(texels.texels[k].slopes.begin(), texels.texels[k].slopes.end(), &tables[k * size * size]);
   constexpr int kDeflate = 1;
-  file.write<float>("/texels/slope_density", tables, {grid[0], grid[1], size, size}, kDeflate);
+  file.write_sparse("/texels/slope_density", {grid[0], grid[1], size, size}, kDeflate, texels.places,
+                    [&](std::size_t k) { return std::span<const float>(texels.texels[k].slopes); });
   file.set_attribute("/texels/slope_density", "reach", kNdfReach);
   file.set_attribute("/texels/slope_density", "of",
                      "v = L^-1 (slope - location), L the Cholesky factor of scale");

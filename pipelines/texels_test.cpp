@@ -1,6 +1,7 @@
 #include "pipelines/texels.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -196,8 +197,7 @@ TEST_F(TexelsOfScans, LeaveGapsAndNameWhatFails) {
   EXPECT_EQ(found.count(), 2);
   EXPECT_NEAR(found.width, 15, 1e-6);
   EXPECT_NEAR(found.height, 20, 1e-6);
-  EXPECT_EQ(found.states[1], TexelState::Gap);
-  EXPECT_EQ(found.scan[3], -1);
+  EXPECT_EQ(found.places, (std::vector<std::int64_t>{0, 5}));  // of r0_c0 and r2_c1; gaps are nowhere
   EXPECT_EQ(std::count_if(found.scans.begin(), found.scans.end(),
                           [](const auto& s) { return s.failure.has_value(); }),
             1);
@@ -206,9 +206,38 @@ TEST_F(TexelsOfScans, LeaveGapsAndNameWhatFails) {
   write_texels(file, found);
   file.finish();
   const std::vector<float> parameters = Hdf5Reader(path).read<float>("/texels/parameters");
+  EXPECT_EQ(Hdf5Reader(path).read<std::int32_t>("/texels/scan"),
+            (std::vector<std::int32_t>{0, -1, -1, -1, -1, 2}));
+  const std::vector<float> slopes = Hdf5Reader(path).read<float>("/texels/slope_density");
+  ASSERT_EQ(slopes.size(), 6U * 33 * 33);
+  EXPECT_EQ(slopes[5 * 33 * 33 + 16 * 33 + 16], found.texels[1].slopes[16 * 33 + 16]);
+  EXPECT_TRUE(std::isnan(slopes[4 * 33 * 33]));
   ASSERT_EQ(parameters.size(), 3U * 2 * 5);
   EXPECT_FLOAT_EQ(parameters[0], static_cast<float>(found.texels[0].fit.parameters.alpha_x));
   EXPECT_TRUE(std::isnan(parameters[5]));
+}
+
+/// Most memory that was ever taken, bytes.
+double peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024. * static_cast<double>(usage.ru_maxrss);
+}
+
+TEST_F(TexelsOfScans, TakeMemoryForTexelsThatAreThere) {
+  // Two scans at the far ends of a million places, whose tables of slopes would take 4.4 GB.
+  constexpr double kMost = 4e8;  // bytes; five numbers and states of each place, and what stood before
+  scan("r0_c0.dat", rough(40, 40, 1));
+  scan("r999_c999.dat", rough(40, 40, 2));
+  const double before = peak_memory();
+  const Texels found = texels({}, ByName{"r{row}_c{col}"});
+  ASSERT_EQ(found.rows * found.cols, 1'000'000);
+  EXPECT_EQ(found.texels.size(), 2U);
+  const auto path = folder_.path() / "out.h5";
+  Hdf5Writer file(path);
+  write_texels(file, found);
+  file.finish();
+  EXPECT_LT(peak_memory() - before, kMost);
 }
 
 TEST_F(TexelsOfScans, SayWhereTheyAreOfUnequalSize) {
@@ -245,8 +274,13 @@ TEST_F(TexelsOfScans, FormACrossOfStrips) {
   ASSERT_EQ(found.rows, 8);
   ASSERT_EQ(found.cols, 7);
   EXPECT_EQ(found.count(), 12 + 12 + 3);
+  const auto index_at = [&](Eigen::Index j, Eigen::Index i) -> std::int64_t {
+    const auto at = std::find(found.places.begin(), found.places.end(), j * found.cols + i);
+    return at == found.places.end() ? -1 : at - found.places.begin();
+  };
   const auto scan_at = [&](Eigen::Index j, Eigen::Index i) {
-    return found.scan[static_cast<std::size_t>(j * found.cols + i)];
+    const std::int64_t k = index_at(j, i);
+    return k < 0 ? -1 : found.scan[static_cast<std::size_t>(k)];
   };
   EXPECT_EQ(scan_at(1, 5), 0);
   EXPECT_EQ(scan_at(0, 6), -1);
@@ -256,7 +290,7 @@ TEST_F(TexelsOfScans, FormACrossOfStrips) {
   EXPECT_EQ(scan_at(4, 6), 2);
   EXPECT_EQ(scan_at(5, 6), -1);
   const SurfaceTexels alone = texels_of_surface(rough(120, 40, 3), {40, 40, 1, 0});
-  EXPECT_NEAR(found.texels[static_cast<std::size_t>(3 * found.cols + 6)].fit.frame.l11,
+  EXPECT_NEAR(found.texels[static_cast<std::size_t>(index_at(3, 6))].fit.frame.l11,
               alone.texels[1].fit.frame.l11, 1e-3 * alone.texels[1].fit.frame.l11);
 }
 

@@ -294,11 +294,11 @@ Plan plan_of(const TextureSummary& summary, const RequestNames& names, const Tex
 
 Exemplar exemplar_of(const Texels& texels) {
   Exemplar exemplar = make_exemplar(texels.rows, texels.cols);
-  for (Eigen::Index k = 0; k < texels.rows * texels.cols; ++k) {
-    if (texels.states[static_cast<std::size_t>(k)] == TexelState::Gap) continue;
-    const SlopeCoordinates p = slope_coordinates(texels.texels[static_cast<std::size_t>(k)].fit.frame);
+  for (std::size_t k = 0; k < texels.texels.size(); ++k) {
+    if (texels.states[k] == TexelState::Gap) continue;
+    const SlopeCoordinates p = slope_coordinates(texels.texels[k].fit.frame);
     for (std::size_t c = 0; c < kChannels; ++c)
-      exemplar.channels[c].data()[k] = p[c];
+      exemplar.channels[c].data()[texels.places[k]] = p[c];
   }
   return exemplar;
 }

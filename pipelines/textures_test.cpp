@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "core/random.h"
 #include "distribution/ellipsoid.h"
@@ -49,6 +50,8 @@ Texels made_texels(Eigen::Index rows, Eigen::Index cols) {
   texels.height = 53;
   texels.texels.resize(static_cast<std::size_t>(rows * cols));
   texels.states.assign(texels.texels.size(), TexelState::Fitted);
+  texels.places.resize(texels.texels.size());
+  std::iota(texels.places.begin(), texels.places.end(), 0);
   for (std::size_t k = 0; k < texels.texels.size(); ++k) {
     const auto [a, b] = random_normal(1, 0, k);
     const auto [c, d] = random_normal(1, 1, k);

@@ -138,6 +138,33 @@ TEST(Hdf5File, AnotherProgramSeesDataAndAxes) {
   EXPECT_EQ(std::system(("/usr/bin/python3 " + script.string()).c_str()), 0);
 }
 
+TEST(Hdf5File, SparsePlacesAloneTakeRoom) {
+  const TemporaryFolder folder;
+  const std::array<float, 4> first = {1, 2, 3, 4}, last = {5, 6, 7, 8};
+  const auto table = [&](std::size_t k) {
+    return k == 1 ? std::span<const float>() : std::span<const float>(k == 0 ? first : last);
+  };
+  const auto path = folder.path() / "a.h5";
+  Hdf5Writer writer(path);
+  writer.write_sparse("/few", {2, 3, 2, 2}, 1, std::array<std::int64_t, 3>{1, 2, 5}, table);
+  writer.finish();
+  const std::vector<float> values = Hdf5Reader(path).read<float>("/few");
+  ASSERT_EQ(values.size(), 24U);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (k / 4 == 1 || k / 4 == 5)
+      EXPECT_EQ(values[k], k < 8 ? first[k % 4] : last[k % 4]);
+    else
+      EXPECT_TRUE(std::isnan(values[k])) << k;
+  // Four million places, 18 GB if all were there; the rest of the file is the index of its chunks.
+  const auto large = folder.path() / "large.h5";
+  const std::vector<float> many(33 * 33, 1);
+  Hdf5Writer sparse(large);
+  sparse.write_sparse("/few", {2000, 2000, 33, 33}, 1, std::array<std::int64_t, 2>{7, 3'999'999},
+                      [&](std::size_t) { return std::span<const float>(many); });
+  sparse.finish();
+  EXPECT_LT(std::filesystem::file_size(large), 100'000U);
+}
+
 TEST(Hdf5File, NothingStaysBehindWithoutFinish) {
   const TemporaryFolder folder;
   {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -47,11 +48,14 @@ Handle storage(const std::vector<hsize_t>& extents, int deflate) {
   return list;
 }
 
-/// A new dataset of floats in chunks. The caller holds the lock and looks whether it was made.
+/// A new dataset of floats in chunks, NaN where nothing is written. The caller holds the lock and looks
+/// whether it was made.
 Handle chunked_floats(hid_t file, const std::string& dataset, hid_t space, const std::vector<hsize_t>& chunk,
                       int deflate) {
   const Handle list(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   set_chunks(list, chunk, deflate);
+  const float missing = std::numeric_limits<float>::quiet_NaN();
+  H5Pset_fill_value(list, hdf5::native_type<float>(), &missing);
   return Handle(H5Dcreate2(file, dataset.c_str(), hdf5::native_type<float>(), space, intermediate_groups(),
                            list, H5P_DEFAULT),
                 H5Dclose);
@@ -191,6 +195,32 @@ void Hdf5Writer::write_part(const std::string& dataset, std::size_t row, std::si
   require(data && H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, count, nullptr) >= 0 &&
               H5Dwrite(data, hdf5::native_type<float>(), memory, space, H5P_DEFAULT, values.data()) >= 0,
           "dataset " + dataset + " cannot be written");
+}
+
+void Hdf5Writer::write_sparse(const std::string& dataset, const Shape& shape, int deflate,
+                              std::span<const std::int64_t> places,
+                              const std::function<std::span<const float>(std::size_t)>& table) {
+  assert(shape.size() > 2);
+  const std::vector<hsize_t> extents(shape.begin(), shape.end());
+  std::vector<hsize_t> start(extents.size(), 0), count = extents;
+  count[0] = count[1] = 1;
+  const int rank = static_cast<int>(extents.size());
+  const Lock lock;
+  const Handle space(H5Screate_simple(rank, extents.data(), nullptr), H5Sclose),
+      memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
+  const Handle data = chunked_floats(id_, dataset, space, count, deflate);
+  const auto require_written = [&](bool done) { require(done, "dataset " + dataset + " cannot be written"); };
+  require_written(static_cast<bool>(data));
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const std::span<const float> values = table(k);
+    if (values.empty()) continue;
+    const auto place = static_cast<hsize_t>(places[k]);
+    start[0] = place / extents[1];
+    start[1] = place % extents[1];
+    require_written(
+        H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0 &&
+        H5Dwrite(data, hdf5::native_type<float>(), memory, space, H5P_DEFAULT, values.data()) >= 0);
+  }
 }
 
 void Hdf5Writer::write_text(const std::string& dataset, std::string_view text) {

@@ -60,6 +60,13 @@ class Hdf5Writer {
   void write_part(const std::string& dataset, std::size_t row, std::size_t col, const Shape& shape,
                   std::span<const float> values);
 
+  /// Writes a dataset of float, [rows, cols, …], of which few places (row, col) hold anything: table(k) is
+  /// what stands at places[k] = row·cols + col, in a deflated chunk of its own. Places that are not among
+  /// them, or whose table is empty, take no memory, hardly any of the file, and read as NaN.
+  void write_sparse(const std::string& dataset, const Shape& shape, int deflate,
+                    std::span<const std::int64_t> places,
+                    const std::function<std::span<const float>(std::size_t)>& table);
+
   /// Writes one UTF-8 string as a scalar dataset.
   void write_text(const std::string& dataset, std::string_view text);
 
