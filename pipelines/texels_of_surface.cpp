@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/parallel.h"
@@ -46,12 +47,24 @@ Texel texel_of(const SlopeBlock& zx, const SlopeBlock& zy, const TexelCut& cut, 
   return texel;
 }
 
+/// A window that reaches over the whole surface gives every point one and the same plane.
+void require_window(const HeightField& surface, double sigma) {
+  const double width = static_cast<double>(surface.cols()) * surface.dx,
+               height = static_cast<double>(surface.rows()) * surface.dy;
+  if (sigma <= std::min(width, height)) return;
+  std::ostringstream reason;
+  reason << "the normals' window (--sigma " << sigma << "um) is longer than the scan, which is " << width
+         << " x " << height << " um";
+  throw InputError(reason.str());
+}
+
 }  // namespace
 
 SurfaceTexels texels_of_surface(const HeightField& surface, const TexelCut& cut) {
   constexpr Eigen::Index kBandPoints = 1 << 24;  // 256 MB of slopes: less of them is computed twice
   const Eigen::Index rows = cut.rows > 0 ? cut.rows : surface.rows(),
                      cols = cut.cols > 0 ? cut.cols : surface.cols();
+  require_window(surface, cut.sigma);
   SurfaceTexels result;
   result.rows = surface.rows() / rows;
   result.cols = surface.cols() / cols;

@@ -34,7 +34,7 @@ struct SurfaceTexels {
 
 /// Filtered normals of the surface [Dong15 §5.1], windows reaching over the texels' borders, and the
 /// ellipsoid of each texel [Dong15 §9]. Large surfaces go band by band: memory for slopes is that of one
-/// band. Throws InputError if σ is not resolved or no texel fits in.
+/// band. Throws InputError if σ is not resolved or longer than the surface, or no texel fits in.
 SurfaceTexels texels_of_surface(const HeightField& surface, const TexelCut& cut);
 
 }  // namespace micro

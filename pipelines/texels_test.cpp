@@ -159,6 +159,7 @@ TEST(TexelsOfSurface, AreTheBlocksOfTheWholeSurfacesNormals) {
     EXPECT_LE(mass, 1.0001);
   }
   EXPECT_THROW(texels_of_surface(surface, {131, 10, 1, 0}), InputError);
+  EXPECT_THROW(texels_of_surface(surface, {40, 60, 33, 0}), InputError);  // of 32.5 µm
 }
 
 TEST(TexelsOfSurface, DoNotDependOnTheBands) {

@@ -135,6 +135,8 @@ int run(const Options& options, const CLI::App& app) {
   const ScanListing listing = list_scans({options.scans.begin(), options.scans.end()}, output);
   require_scans(listing, options.scans);
   const TexelLayout layout = lay_out(listing, layout_rule_of(options));  // refuses before there is a folder
+  if (texture_request.recipe == Recipe::Full && !request.block && !options.no_texture)
+    require_block(layout.rows, layout.cols, static_cast<std::int64_t>(layout.places.size()));
   const OutputLock lock(output);
   Texels texels = texels_of_scans(listing, layout, request, progress_line(options.common));
   const nlohmann::json failed = report_failed(texels.scans);

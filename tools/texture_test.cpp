@@ -109,7 +109,12 @@ TEST_F(TextureCommand, RefusesWhatMakesNoSense) {
   EXPECT_EQ(run(command + " --enough nan").code, 2);
   EXPECT_EQ(run(command + " --seed -1").code, 2);
   EXPECT_EQ(run(command + " --layout 'x{row}'").code, 3);
-  EXPECT_EQ(run(command + " --recipe full").code, 3);  // one strip is no block
+  // One strip is no block, as the layout tells before a scan is read.
+  const auto full = testing::run_program(testing::microbrdf(command + " --recipe full --progress 2>&1"));
+  EXPECT_EQ(full.code, 3);
+  EXPECT_NE(full.out.find("needs a block"), std::string::npos) << full.out;
+  EXPECT_EQ(full.out.find("of 3 scans"), std::string::npos) << full.out;
+  EXPECT_EQ(run(command + " --recipe full --texel 20um").code, 3);
   EXPECT_EQ(run(command + " --texel 1mm").code, 3);
   EXPECT_FALSE(std::filesystem::exists(file("out/texture.h5")));
   std::filesystem::resize_file(file("r0_c1.dat"), 3000);

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/error.h"
+
 namespace micro {
 
 Exemplar make_exemplar(Eigen::Index rows, Eigen::Index cols) {
@@ -39,10 +41,22 @@ ExemplarMoments moments_of(const Exemplar& exemplar) {
   return moments;
 }
 
+namespace {
+
+bool form_block(Eigen::Index rows, Eigen::Index cols, std::int64_t there) {
+  return rows > 1 && cols > 1 && static_cast<double>(there) >= static_cast<double>(rows * cols) / 2;
+}
+
+}  // namespace
+
 bool is_block(const Exemplar& exemplar) {
-  const double texels = static_cast<double>(exemplar.rows() * exemplar.cols());
-  return exemplar.rows() > 1 && exemplar.cols() > 1 &&
-         static_cast<double>(moments_of(exemplar).count) >= texels / 2;
+  return form_block(exemplar.rows(), exemplar.cols(), moments_of(exemplar).count);
+}
+
+void require_block(Eigen::Index rows, Eigen::Index cols, std::int64_t there) {
+  if (!form_block(rows, cols, there))
+    throw InputError(
+        "the full spectrum needs a block of texels, at least 2 x 2 and half of it there, not strips");
 }
 
 Eigen::ArrayXd taper_weights(Eigen::Index n, Taper taper) {

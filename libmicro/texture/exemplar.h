@@ -35,6 +35,8 @@ ExemplarMoments moments_of(const Exemplar& exemplar);
 
 /// Whether it is a block, more than strips: at least 2 × 2, and half of it there.
 bool is_block(const Exemplar& exemplar);
+/// Throws InputError unless so many texels of rows × cols are one.
+void require_block(Eigen::Index rows, Eigen::Index cols, std::int64_t there);
 
 /// What is done to a strip's or block's ends before its spectrum is taken; the mean is removed in any case
 /// and a trend is left in, since slow variation is what is measured.
