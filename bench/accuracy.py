@@ -230,6 +230,31 @@ def texture_section(rows):
             yield f"| {value} | " + " | ".join(cells) + " |"
 
 
+MEASURES = {
+    "mean": "mean, σ", "variance": "variance", "axes": "spectra along axes", "plane": "2-D spectrum",
+    "between": "between numbers", "between lagged": "… at other lags", "marginals": "marginals",
+}
+
+
+def recipe_section(rows):
+    yield from [
+        "", "## What each recipe of textures keeps", "",
+        "Exemplars of 32 × 32 texels of 30 µm, cut from surfaces as `microbrdf synth` makes them: `brushed --length 2000um --width 3um --rms 0.2um",
+        "--coverage 4 --spread 0.05` and `multiscale --tau-max 300um`; strips are four rows and four columns of them. Four textures of 256² texels",
+        "each, how far they are from the exemplar on average: its mean (the number that is farthest off, in standard deviations), variance (the same,",
+        "relative), autocorrelations (which are the spectra: rms over lags of 1 to 6 texels along the axes, up to 4 × 4 in the plane), correlations",
+        "of the five numbers with one another (rms of ten; at lags of one texel, of 60), marginals (largest distance of distribution functions).",
+        "Autocorrelations and correlations at other lags are the whole block's even where strips are all that a recipe saw. Another piece of the same",
+        "finish differs by the last line: so well does so small an exemplar know its finish.",
+    ]
+    for surface in dict.fromkeys(r["surface"] for r in rows if r["part"] == "recipes"):
+        found = [r for r in rows if r["part"] == "recipes" and r["surface"] == surface]
+        yield from ["", f"| {surface} | " + " | ".join(MEASURES.values()) + " |", "|---" * (1 + len(MEASURES)) + "|"]
+        for way in dict.fromkeys(r["note"] for r in found):
+            value = {r["estimator"]: number(r["error"]) for r in found if r["note"] == way}
+            yield f"| {way.replace(';', ',')} | " + " | ".join(value[m] for m in MEASURES) + " |"
+
+
 def main(csv_path, docs):
     with open(csv_path, newline="") as file:
         rows = list(csv.DictReader(file))
@@ -253,6 +278,7 @@ def main(csv_path, docs):
         *brdf_section(rows),
         "",
         *texture_section(rows),
+        *recipe_section(rows),
         "",
     ])
     (docs / "accuracy.md").write_text(text)

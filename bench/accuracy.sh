@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Measures error against run time on this machine and writes docs/accuracy.md with its figures:
 #   bench/accuracy.sh [SCAN...]     real scans beside the made surfaces
-#   bench/accuracy.sh --part brdf   only this part anew (kirchhoff, fit, brdf, texture), the others as they stand
-# Takes some ten minutes on two cores, the part brdf a minute on one.
+#   bench/accuracy.sh --part brdf   only this part anew (kirchhoff, fit, brdf, texture, recipes), the others as they stand
+# Takes some ten minutes on two cores, the parts brdf and recipes a minute on one.
 set -euo pipefail
 part=
 if [[ ${1:-} == --part ]]; then

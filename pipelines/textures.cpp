@@ -307,8 +307,11 @@ TextureSummary write_texture(const Texels& texels, const TextureRequest& request
                              const std::filesystem::path& exr, const std::string& command) {
   const Stopwatch watch;
   const Exemplar exemplar = exemplar_of(texels);
-  const TextureModel model = model_of(exemplar, request.recipe, request.taper);
   const MarginalMap marginals(exemplar);
+  const TextureModel model = request.marginals == TextureRequest::Marginals::Exemplar
+                                 ? with_correlations_before(model_of(exemplar, request.recipe, request.taper),
+                                                            marginals.correlations_before())
+                                 : model_of(exemplar, request.recipe, request.taper);
   const TextureSize& size = request.size;
   const RequestNames names(request);
   TextureSummary summary{.request = request,

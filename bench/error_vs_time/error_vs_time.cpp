@@ -11,6 +11,7 @@
 #include "error_vs_time/fit_curves.h"
 #include "error_vs_time/kirchhoff_curves.h"
 #include "error_vs_time/texture_curves.h"
+#include "error_vs_time/texture_recipes.h"
 
 namespace {
 
@@ -31,9 +32,10 @@ int main(int argc, char** argv) {
   app.add_option("-o,--output", output, "CSV file to write")->required();
   app.add_option("--most-seconds", most_seconds, "A sweep ends with the first point that took longer")
       ->capture_default_str();
-  std::vector<std::string> parts = {"kirchhoff", "fit", "brdf", "texture"};
-  app.add_option("--part", parts, "kirchhoff, fit with masking and sampling, brdf or texture; repeatable")
-      ->check(CLI::IsMember({"kirchhoff", "fit", "brdf", "texture"}))
+  std::vector<std::string> parts = {"kirchhoff", "fit", "brdf", "texture", "recipes"};
+  app.add_option("--part", parts,
+                 "kirchhoff, fit with masking and sampling, brdf, texture or recipes; repeatable")
+      ->check(CLI::IsMember(parts))
       ->allow_extra_args(false)
       ->capture_default_str();
   app.add_option("SCAN", scans, "Real scans, beside the made surfaces");
@@ -55,6 +57,7 @@ int main(int argc, char** argv) {
   if (wants("fit")) fit_curves(report);
   if (wants("brdf")) brdf_curves(report);
   if (wants("texture")) texture_curves(report);
+  if (wants("recipes")) texture_recipes(report);
   if (wants("kirchhoff"))
     for (const auto& surfaces : {made_surfaces(), real_surfaces(scans)})
       for (const NamedSurface& surface : surfaces)

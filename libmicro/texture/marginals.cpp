@@ -48,4 +48,15 @@ void MarginalMap::apply(TextureField& field) const {
     });
 }
 
+CorrelationMaps MarginalMap::correlations_before() const {
+  std::array<HermiteSeries, kChannels> series;
+  for (std::size_t c = 0; c < kChannels; ++c)
+    series[c] = deviation_[c] > 0 ? hermite_series(nodes_[c], kReach) : HermiteSeries{};
+  CorrelationMaps maps;
+  for (std::size_t a = 0; a < kChannels; ++a)
+    for (std::size_t b = 0; b < kChannels; ++b)
+      maps[a][b] = CorrelationMap(series[a], series[b]);
+  return maps;
+}
+
 }  // namespace micro

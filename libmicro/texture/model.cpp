@@ -103,7 +103,82 @@ std::vector<float> kernel_spectrum(const AxisSpectrum& axis, std::size_t channel
   return spectrum;
 }
 
+/// Amplitudes whose powers, all positive, sum to the correlations that theirs have, mapped.
+std::vector<float> mapped_amplitudes(std::vector<float> amplitudes, const CorrelationMap& before) {
+  const auto n = static_cast<Eigen::Index>(amplitudes.size());
+  FftVector<std::complex<double>> values;
+  for (const float a : amplitudes)
+    values.emplace_back(static_cast<double>(a) * a);
+  ComplexFft<double>({1, n, 1}, FftDirection::Backward)(values.data());
+  const double whole = values[0].real();
+  if (!(whole > 0)) return amplitudes;
+  for (auto& value : values)
+    value = whole * before(value.real() / whole);
+  ComplexFft<double>({1, n, 1}, FftDirection::Forward)(values.data());
+  for (std::size_t k = 0; k < amplitudes.size(); ++k)
+    amplitudes[k] = static_cast<float>(std::sqrt(std::max(0., values[k].real()) / static_cast<double>(n)));
+  return amplitudes;
+}
+
+/// The same for a block, with phases as they are. A single periodogram has zeros, from which nothing can be
+/// taken: its own spectrum is multiplied by what mapping does to the smooth one of short lags. Twice as long,
+/// since that smears the block over so many texels.
+Grid<double> mapped_block(const Grid<double>& block, const CorrelationMap& before) {
+  constexpr double kWindow = 1. / 6;  // standard deviation of the window on lags, in lengths of the block
+  const Eigen::Index rows = 2 * block.rows(), cols = 2 * block.cols();
+  const FftShape shape{rows, cols, 1};
+  const ComplexFft<double> forward(shape, FftDirection::Forward), backward(shape, FftDirection::Backward);
+  FftVector<std::complex<double>> spectrum(static_cast<std::size_t>(shape.size()), 0);
+  for (Eigen::Index j = 0; j < block.rows(); ++j)
+    for (Eigen::Index i = 0; i < block.cols(); ++i)
+      spectrum[static_cast<std::size_t>((j + rows / 4) * cols + i + cols / 4)] = block(j, i);
+  forward(spectrum.data());
+  FftVector<std::complex<double>> smooth = spectrum;
+  for (auto& power : smooth)
+    power = std::norm(power);
+  backward(smooth.data());
+  const double whole = smooth[0].real();
+  if (!(whole > 0)) return Grid<double>::Zero(rows, cols);
+  const auto window = [](Eigen::Index k, Eigen::Index n) {
+    const double lag = static_cast<double>(std::min(k, n - k)) / (kWindow * static_cast<double>(n) / 2);
+    return std::exp(-lag * lag / 2);
+  };
+  FftVector<std::complex<double>> mapped = smooth;
+  for (Eigen::Index j = 0; j < rows; ++j)
+    for (Eigen::Index i = 0; i < cols; ++i) {
+      const auto lag = static_cast<std::size_t>(j * cols + i);
+      smooth[lag] *= window(j, rows) * window(i, cols) / whole;
+      mapped[lag] = before(smooth[lag].real());
+    }
+  forward(smooth.data());
+  forward(mapped.data());
+  for (std::size_t k = 0; k < spectrum.size(); ++k)
+    if (const double power = smooth[k].real(); power > 0)
+      spectrum[k] *= std::sqrt(std::max(0., mapped[k].real()) / power);
+  backward(spectrum.data());
+  Grid<double> kernel(rows, cols);
+  for (Eigen::Index k = 0; k < kernel.size(); ++k)
+    kernel.data()[k] = spectrum[static_cast<std::size_t>(k)].real() / static_cast<double>(shape.size());
+  return kernel;
+}
+
 }  // namespace
+
+TextureModel with_correlations_before(TextureModel model, const CorrelationMaps& before) {
+  for (Eigen::Index k = 0; k < 5; ++k)
+    for (Eigen::Index l = 0; l < 5; ++l)
+      if (k != l)
+        model.correlation(k, l) =
+            before[static_cast<std::size_t>(k)][static_cast<std::size_t>(l)](model.correlation(k, l));
+  for (std::size_t c = 0; c < kChannels; ++c)
+    if (auto* blocks = std::get_if<Blocks>(&model.spectrum)) {
+      (*blocks)[c] = mapped_block((*blocks)[c], before[c][c]);
+    } else {
+      auto& axes = std::get<TextureModel::Axes>(model.spectrum);
+      axes.x.before[c] = axes.y.before[c] = before[c][c];
+    }
+  return model;
+}
 
 std::string_view name_of(Recipe recipe) {
   constexpr std::array<std::string_view, 3> kNames = {"separable", "full", "joint"};
@@ -145,16 +220,14 @@ std::vector<float> AxisSpectrum::amplitudes(std::size_t channel, Eigen::Index n)
     amplitude[static_cast<std::size_t>(k)] =
         static_cast<float>(std::sqrt(power[static_cast<std::size_t>(f)]));
   }
-  return amplitude;
+  return before[channel].changes() ? mapped_amplitudes(std::move(amplitude), before[channel]) : amplitude;
 }
 
 TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper) {
   const ExemplarMoments moments = moments_of(exemplar);
   if (moments.count == 0) throw InputError("the exemplar holds no texel");
   const bool block = is_block(exemplar);
-  if (recipe == Recipe::Full && !block)
-    throw InputError(
-        "the full spectrum needs a block of texels, at least 2 x 2 and half of it there, not strips");
+  if (recipe == Recipe::Full) require_block(exemplar.rows(), exemplar.cols(), moments.count);
   TextureModel model;
   model.recipe = recipe;
   model.mean = moments.mean;

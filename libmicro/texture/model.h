@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/fft.h"
+#include "texture/correlation_map.h"
 #include "texture/exemplar.h"
 
 namespace micro {
@@ -23,6 +24,7 @@ std::string_view name_of(Recipe recipe);
 /// Powers along one axis, for each channel: the strips they are the mean of.
 struct AxisSpectrum {
   std::array<std::vector<Eigen::ArrayXd>, kChannels> strips;  ///< deviations; none: white
+  std::array<CorrelationMap, kChannels> before;               ///< what is done to their correlations
 
   /// √ of the mean power of the strips at the frequencies 0 … n−1 over n. Below the lowest frequency that a
   /// strip resolves, 1/length, the power is taken as there: a strip cannot tell its mean from slow variation.
@@ -52,6 +54,14 @@ struct TextureModel {
 /// the fullest one; where an axis has no strip, texels along it are taken as independent. Throws InputError
 /// if the exemplar is empty, or the recipe is Full and it is no block.
 TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper = Taper::Hann);
+
+/// The same model with the correlations that its numbers need before a map of each number's own, so that
+/// those of mapped numbers are the model's: along axes (of separable ones the map spoils a product off the
+/// axes), at every lag of a block's number with itself, and at lag 0 of strips between numbers. Where no
+/// normal numbers have such correlations, powers below 0 are taken as 0. Rows and columns of maps are
+/// channels.
+using CorrelationMaps = std::array<std::array<CorrelationMap, kChannels>, kChannels>;
+TextureModel with_correlations_before(TextureModel model, const CorrelationMaps& before);
 
 /// Amplitudes of a channel on the half spectrum of a texture of rows × cols texels: their squares over the
 /// whole spectrum sum to the channel's variance, and (0, 0) is 0. Separable ones are a product; a block's
