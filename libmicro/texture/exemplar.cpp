@@ -65,19 +65,8 @@ Eigen::ArrayXd taper_weights(Eigen::Index n, Taper taper) {
   return (std::numbers::pi / length * Eigen::ArrayXd::LinSpaced(n, 0.5, length - 0.5)).sin().square();
 }
 
-Eigen::ArrayXd strip_deviations(const Eigen::ArrayXd& values, Taper taper) {
-  const Eigen::Index n = values.size();
-  const Eigen::ArrayXd weights = taper_weights(n, taper);
-  double sum = 0, whole = 0, first = 0;
-  for (Eigen::Index k = n - 1; k >= 0; --k)
-    if (!std::isnan(values[k])) first = values[k];
-  for (Eigen::Index k = 0; k < n; ++k)
-    if (!std::isnan(values[k])) {
-      sum += weights[k] * (values[k] - first);
-      whole += weights[k];
-    }
-  const double mean = whole > 0 ? first + sum / whole : 0;
-  return values.isNaN().select(0., weights * (values - mean));
+Eigen::ArrayXd strip_deviations(const Eigen::ArrayXd& values, double mean, Taper taper) {
+  return values.isNaN().select(0., taper_weights(values.size(), taper) * (values - mean));
 }
 
 }  // namespace micro

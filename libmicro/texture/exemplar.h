@@ -49,7 +49,7 @@ constexpr Eigen::Index kLeastTapered = 8;
 /// The taper over n texels.
 Eigen::ArrayXd taper_weights(Eigen::Index n, Taper taper);
 
-/// Deviations of one strip's texels from its (tapered) mean, tapered; 0 where there is no texel.
-Eigen::ArrayXd strip_deviations(const Eigen::ArrayXd& values, Taper taper);
+/// Deviations of one strip's texels from the exemplar's mean, tapered; 0 where there is no texel.
+Eigen::ArrayXd strip_deviations(const Eigen::ArrayXd& values, double mean, Taper taper);
 
 }  // namespace micro

@@ -35,19 +35,27 @@ Eigen::ArrayXd trimmed(const Eigen::ArrayXd& strip) {
   return strip.segment(first, last - first + 1);
 }
 
-AxisSpectrum rows_as_strips(const std::array<Grid<double>, kChannels>& channels, Taper taper) {
+AxisSpectrum rows_as_strips(const std::array<Grid<double>, kChannels>& channels, const SlopeCoordinates& mean,
+                            Taper taper) {
   AxisSpectrum axis;
-  for (const Eigen::Index j : strips_of(!channels[0].isNaN()))
-    for (std::size_t c = 0; c < kChannels; ++c)
-      axis.strips[c].push_back(strip_deviations(trimmed(channels[c].row(j).transpose()), taper));
+  const std::vector<Eigen::Index> rows = strips_of(!channels[0].isNaN());
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    axis.constant[c] = !rows.empty();
+    for (const Eigen::Index j : rows) {
+      const Eigen::ArrayXd strip = trimmed(channels[c].row(j).transpose());
+      if (!(strip.isNaN() || strip == strip[0]).all()) axis.constant[c] = false;
+      axis.strips[c].push_back(strip_deviations(strip, mean[c], taper));
+    }
+  }
   return axis;
 }
 
-TextureModel::Axes axes_of(const std::array<Grid<double>, kChannels>& channels, Taper taper) {
+TextureModel::Axes axes_of(const std::array<Grid<double>, kChannels>& channels, const SlopeCoordinates& mean,
+                           Taper taper) {
   std::array<Grid<double>, kChannels> turned;
   for (std::size_t c = 0; c < kChannels; ++c)
     turned[c] = channels[c].transpose();
-  return {rows_as_strips(channels, taper), rows_as_strips(turned, taper)};
+  return {rows_as_strips(channels, mean, taper), rows_as_strips(turned, mean, taper)};
 }
 
 /// Deviations of a block from its mean, tapered along both axes.
@@ -84,7 +92,7 @@ AxisAmplitudes scaled(AxisAmplitudes amplitudes, double variance, double left_ou
 /// half.
 std::vector<float> kernel_spectrum(const AxisSpectrum& axis, std::size_t channel, Eigen::Index n,
                                    Eigen::Index reach) {
-  if (axis.constant(channel)) return std::vector<float>(static_cast<std::size_t>(n), 1);
+  if (axis.constant[channel]) return std::vector<float>(static_cast<std::size_t>(n), 1);
   const std::vector<float> own = axis.amplitudes(channel, 2 * reach);
   FftVector<std::complex<double>> kernel(own.begin(), own.end());
   ComplexFft<double>({1, 2 * reach, 1}, FftDirection::Backward)(kernel.data());
@@ -185,11 +193,6 @@ std::string_view name_of(Recipe recipe) {
   return kNames[static_cast<std::size_t>(recipe)];
 }
 
-bool AxisSpectrum::constant(std::size_t channel) const {
-  return !strips[channel].empty() && std::all_of(strips[channel].begin(), strips[channel].end(),
-                                                 [](const auto& strip) { return (strip == 0).all(); });
-}
-
 std::vector<float> AxisSpectrum::amplitudes(std::size_t channel, Eigen::Index n) const {
   std::vector<float> amplitude(static_cast<std::size_t>(n), 1);
   if (strips[channel].empty()) return amplitude;
@@ -210,15 +213,16 @@ std::vector<float> AxisSpectrum::amplitudes(std::size_t channel, Eigen::Index n)
     }
     shortest = std::min(shortest, strip.size());
   }
-  if (constant(channel)) {
+  if (constant[channel]) {
     std::fill(amplitude.begin() + 1, amplitude.end(), 0);
     return amplitude;
   }
   const Eigen::Index lowest = std::min<Eigen::Index>((n + shortest - 1) / shortest, n / 2);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::Index f = std::max(std::min(k, n - k), lowest);
-    amplitude[static_cast<std::size_t>(k)] =
-        static_cast<float>(std::sqrt(power[static_cast<std::size_t>(f)]));
+    const double own = power[static_cast<std::size_t>(k)];
+    const bool resolved = std::min(k, n - k) >= lowest;
+    amplitude[static_cast<std::size_t>(k)] = static_cast<float>(
+        std::sqrt(resolved ? own : std::max(own, power[static_cast<std::size_t>(lowest)])));
   }
   return before[channel].changes() ? mapped_amplitudes(std::move(amplitude), before[channel]) : amplitude;
 }
@@ -236,7 +240,7 @@ TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper) {
     model.variance[c] = moments.covariance(k, k);
   }
   if (recipe == Recipe::Separable) {
-    model.spectrum = axes_of(exemplar.channels, taper);
+    model.spectrum = axes_of(exemplar.channels, moments.mean, taper);
   } else if (block) {
     Blocks blocks;
     for (std::size_t c = 0; c < kChannels; ++c)
@@ -249,7 +253,7 @@ TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper) {
         const double unit = std::sqrt(moments.covariance(k, k) * moments.covariance(l, l));
         if (k != l) model.correlation(k, l) = unit > 0 ? moments.covariance(k, l) / unit : 0;
       }
-    model.spectrum = axes_of(exemplar.channels, taper);
+    model.spectrum = axes_of(exemplar.channels, moments.mean, taper);
   }
   return model;
 }
@@ -314,7 +318,7 @@ Covariance phase_mixing(const TextureModel& model, const std::array<AxisAmplitud
           std::sqrt(product(amplitudes[c], amplitudes[c]) * product(amplitudes[d], amplitudes[d]));
       const double cosine = unit > 0 ? product(amplitudes[c], amplitudes[d]) / unit : 0;
       // What varies along one axis only has nothing in common with what varies along the other.
-      const bool alike = axes.x.constant(c) == axes.x.constant(d) && axes.y.constant(c) == axes.y.constant(d);
+      const bool alike = axes.x.constant[c] == axes.x.constant[d] && axes.y.constant[c] == axes.y.constant[d];
       if (!alike || !(cosine > 0)) continue;
       const auto k = static_cast<Eigen::Index>(c), l = static_cast<Eigen::Index>(d);
       wanted(k, l) = wanted(l, k) = std::clamp(model.correlation(k, l) / cosine, -1., 1.);

@@ -24,14 +24,13 @@ std::string_view name_of(Recipe recipe);
 /// Powers along one axis, for each channel: the strips they are the mean of.
 struct AxisSpectrum {
   std::array<std::vector<Eigen::ArrayXd>, kChannels> strips;  ///< deviations; none: white
+  std::array<bool, kChannels> constant{};                     ///< whether nothing varies along this axis
   std::array<CorrelationMap, kChannels> before;               ///< what is done to their correlations
 
   /// √ of the mean power of the strips at the frequencies 0 … n−1 over n. Below the lowest frequency that a
-  /// strip resolves, 1/length, the power is taken as there: a strip cannot tell its mean from slow variation.
+  /// strip resolves, 1/length, the power is at least that there: a strip alone cannot tell its mean from slow
+  /// variation. Several tell it by their means.
   std::vector<float> amplitudes(std::size_t channel, Eigen::Index n) const;
-
-  /// Whether nothing varies along this axis.
-  bool constant(std::size_t channel) const;
 };
 
 /// A Gaussian model of five channels.

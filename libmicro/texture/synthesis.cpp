@@ -165,8 +165,8 @@ std::array<FftVector<float>, kChannels> periodic_noise(const TextureModel& model
   for (std::size_t m = 0; m < drawn; ++m) {
     noise[m].resize(static_cast<std::size_t>(part.rows * part.cols));
     if (const auto* axes = std::get_if<TextureModel::Axes>(&model.spectrum)) {
-      along_x[m] = axes->x.constant(m);
-      along_y[m] = axes->y.constant(m);
+      along_x[m] = axes->x.constant[m];
+      along_y[m] = axes->y.constant[m];
     }
   }
   const auto& quantiles = normal_table();

@@ -189,6 +189,28 @@ TEST(Synthesis, SeparableKeepsTheLawsAutocorrelation) {
   }
 }
 
+TEST(Synthesis, KeepsWhatIsSlowerThanAStrip) {
+  // Streaks longer than the exemplar: rows differ by more than what varies along them, which a strip's own
+  // spectrum, without its mean, knows nothing of.
+  constexpr double kNear = 0.1, kStreaks = 0.8;  // of the variance
+  Exemplar exemplar = make_exemplar(24, 30);
+  for (std::size_t c = 0; c < kChannels; ++c)
+    for (Eigen::Index j = 0; j < 24; ++j)
+      for (Eigen::Index i = 0; i < 30; ++i) {
+        const auto at = [&](std::uint32_t stream, Eigen::Index place) {
+          return random_normal(c, stream, static_cast<std::uint64_t>(place))[0];
+        };
+        exemplar.channels[c](j, i) =
+            std::sqrt(kStreaks) * at(0, j) + std::sqrt(1 - kStreaks) * at(1, 100 * j + i);
+      }
+  const TextureModel model = model_of(exemplar, Recipe::Separable);
+  for (const Exemplar& texture : {as_exemplar(synthesise(model, {256, 256}, 1)),
+                                  as_exemplar(synthesise_part(model, {5000, 5000}, 1, {0, 0, 256, 256}))})
+    for (std::size_t c = 0; c < kChannels; ++c)
+      EXPECT_NEAR(correlation(texture, c, c, 0, 3, false), correlation(exemplar, c, c, 0, 3, false), kNear)
+          << c;
+}
+
 TEST(Synthesis, JointStripsKeepCovariancesAtLagZero) {
   Exemplar cross = block(40, 60);
   for (auto& channel : cross.channels)
