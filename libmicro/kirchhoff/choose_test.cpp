@@ -97,6 +97,25 @@ TEST(Choose, PredictsTheWorkOfTheSpectralEstimator) {
       }
 }
 
+// Under a spike nearly all of the time goes into tables of φ_k and c_k, by Bessel functions.
+TEST(Choose, PredictsTheTablesOfGreatHeights) {
+  Window window{testing::make_gaussian_surface({.rows = 20, .cols = 24}, 3), {}};
+  for (const double height : {10.0, 60.0}) {
+    window.surface.z(9, 11) = static_cast<float>(height);
+    const DiskGrid grid{33, 1};
+    const SpectralChoice choice = choose_spectral(window.surface, grid, kLambda, 1e-2);
+    DiskMemory<float> memory;
+    const SpectralWork done = transform_disk(window, grid, kLambda, choice, memory).work;
+    SpectralWork predicted = predict_work(window, grid, kLambda, choice);
+    EXPECT_NEAR(predicted.tables / done.tables, 1, 0.2) << height;
+    if (height == 60) EXPECT_NEAR(predicted.recurrences / done.recurrences, 1, 0.3);
+    EXPECT_EQ(done.recurrences > 0, height == 60) << height;
+    const double nodes = 33 * 33, all = table_seconds(predicted, nodes);
+    predicted.tables = predicted.recurrences = 0;
+    EXPECT_GT(all, 3 * table_seconds(predicted, nodes)) << height;
+  }
+}
+
 // The model of the Monte Carlo error behind the prediction holds within a factor of two for directions in the
 // lobe.
 TEST(Choose, PredictsTheErrorOfMonteCarlo) {
