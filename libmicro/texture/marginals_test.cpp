@@ -66,7 +66,7 @@ TEST(Marginals, KeepCorrelationsOfSkewedNumbers) {
   // Against the Gaussian model's own, which mapped without more ado lose 0.10 to 0.16 at the next texel.
   constexpr double kLost = 0.06;
   // A block's single periodogram takes some of what it should not: measured 0.01 to 0.02, and 0.05.
-  constexpr double kOfStrips = 0.03, kOfBlock = 0.06, kBetweenNumbers = 0.08;
+  constexpr double kOfStrips = 0.03, kOfBlock = 0.06, kBetweenNumbers = 0.03;
   constexpr Eigen::Index kRows = 80, kCols = 90, kSide = 512;
   const Exemplar block = skewed_block(kRows, kCols);
   Exemplar strips = block;
@@ -105,7 +105,7 @@ TEST(Marginals, KeepCorrelationsOfSkewedNumbers) {
         EXPECT_NEAR(of(part, c, c, dj, di), target, near) << name_of(recipe) << " " << dj << " " << di;
       }
     EXPECT_LT(of(plain, 0, 0, 0, 1), of(whole, 0, 0, 0, 1) - kLost) << name_of(recipe);
-    if (recipe == Recipe::Joint && near == kOfStrips) {
+    if (recipe == Recipe::Joint) {
       EXPECT_NEAR(of(whole, 0, 1, 0, 0), of(gaussian, 0, 1, 0, 0), kBetweenNumbers);
     }
   }

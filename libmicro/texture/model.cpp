@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "texture/block_mixing.h"
 
 namespace micro {
 namespace {
@@ -170,6 +171,17 @@ Grid<double> mapped_block(const Grid<double>& block, const CorrelationMap& befor
   return kernel;
 }
 
+/// Between channels at lag 0, 0 where one of them does not vary.
+Covariance correlations_of(const ExemplarMoments& moments) {
+  Covariance correlation = Covariance::Identity();
+  for (Eigen::Index k = 0; k < correlation.rows(); ++k)
+    for (Eigen::Index l = 0; l < correlation.cols(); ++l) {
+      const double unit = std::sqrt(moments.covariance(k, k) * moments.covariance(l, l));
+      if (k != l) correlation(k, l) = unit > 0 ? moments.covariance(k, l) / unit : 0;
+    }
+  return correlation;
+}
+
 }  // namespace
 
 TextureModel with_correlations_before(TextureModel model, const CorrelationMaps& before) {
@@ -185,6 +197,10 @@ TextureModel with_correlations_before(TextureModel model, const CorrelationMaps&
       auto& axes = std::get<TextureModel::Axes>(model.spectrum);
       axes.x.before[c] = axes.y.before[c] = before[c][c];
     }
+  if (model.common_phase()) {
+    auto& blocks = std::get<Blocks>(model.spectrum);
+    blocks = mixed_block(blocks, model.correlation);
+  }
   return model;
 }
 
@@ -247,13 +263,12 @@ TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper) {
       blocks[c] = block_deviations(exemplar.channels[c], taper);
     model.spectrum = std::move(blocks);
   } else {
-    // Slopes and logarithms have no common unit.
-    for (Eigen::Index k = 0; k < 5; ++k)
-      for (Eigen::Index l = 0; l < 5; ++l) {
-        const double unit = std::sqrt(moments.covariance(k, k) * moments.covariance(l, l));
-        if (k != l) model.correlation(k, l) = unit > 0 ? moments.covariance(k, l) / unit : 0;
-      }
     model.spectrum = axes_of(exemplar.channels, moments.mean, taper);
+  }
+  if (recipe == Recipe::Joint) model.correlation = correlations_of(moments);
+  if (model.common_phase()) {
+    auto& blocks = std::get<Blocks>(model.spectrum);
+    blocks = mixed_block(blocks, model.correlation);
   }
   return model;
 }

@@ -38,7 +38,7 @@ struct TextureModel {
   Recipe recipe = Recipe::Separable;
   SlopeCoordinates mean{};
   std::array<double, kChannels> variance{};
-  Covariance correlation = Covariance::Identity();  ///< at lag 0, of strips that keep it
+  Covariance correlation = Covariance::Identity();  ///< at lag 0, where the recipe keeps it
   struct Axes {
     AxisSpectrum x, y;
   };
@@ -56,8 +56,8 @@ TextureModel model_of(const Exemplar& exemplar, Recipe recipe, Taper taper = Tap
 
 /// The same model with the correlations that its numbers need before a map of each number's own, so that
 /// those of mapped numbers are the model's: along axes (of separable ones the map spoils a product off the
-/// axes), at every lag of a block's number with itself, and at lag 0 of strips between numbers. Where no
-/// normal numbers have such correlations, powers below 0 are taken as 0. Rows and columns of maps are
+/// axes), at every lag of a block's number with itself, and at lag 0 between numbers that keep theirs. Where
+/// no normal numbers have such correlations, powers below 0 are taken as 0. Rows and columns of maps are
 /// channels.
 using CorrelationMaps = std::array<std::array<CorrelationMap, kChannels>, kChannels>;
 TextureModel with_correlations_before(TextureModel model, const CorrelationMaps& before);
