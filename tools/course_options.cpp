@@ -1,6 +1,7 @@
 #include "tools/course_options.h"
 
 #include <signal.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
@@ -13,6 +14,8 @@ volatile std::sig_atomic_t stop_asked = 0;
 
 extern "C" void ask_to_stop(int) {
   stop_asked = 1;
+  constexpr char kText[] = "microbrdf: stopping after the scan at hand; a second signal stops at once\n";
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
 }
 
 void stop_on_signals() {

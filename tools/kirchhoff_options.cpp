@@ -113,9 +113,10 @@ void add_kirchhoff_options(CLI::App& app, KirchhoffOptions& options) {
   add_angle(app, "--theta-d", options.theta_d,
             "Full angle between light and viewer, with --lambda (default 0)")
       ->needs(lambda);
-  app.add_option("--tol", options.tolerance,
-                 "Relative L2 error of D_K's table, or with monte-carlo the relative standard error of each "
-                 "direction")
+  app.add_option(
+         "--tol", options.tolerance,
+         "Relative L2 error of D_K's table, or with monte-carlo the standard error of each direction, "
+         "relative to D or, in dark speckles, to the mean of D around")
       ->capture_default_str();
   app.add_option(
          "--estimator", options.estimator,

@@ -223,6 +223,11 @@ void add_batch(const Window& window, std::span<const Vec3> q, std::span<const Ti
   }
 }
 
+/// What the rounding of phases in float leaves of the envelope, 1/sr.
+double rounding_error(const DirectionEstimate& d) {
+  return 1e-6 * std::sqrt(d.local_mean * std::max(d.density, d.local_mean));
+}
+
 /// D, its standard error and the local mean from the halves of every window.
 /// With F̂₁ = F + a, F̂₂ = F + b, Cov a = Cov b = C as 2×2 matrices over (Re, Im):
 /// Var Re(F̂₁F̂₂*) = 2 FᵀCF + tr C². F̄ = (F̂₁+F̂₂)/2 has E F̄ᵀCF̄ = FᵀCF + tr C²/2, so that both terms together are
@@ -241,6 +246,8 @@ DirectionEstimate combine(std::span<const FieldHalves> windows, double area) {
   result.density /= unit;
   result.local_mean = std::max(result.local_mean, 0.0) / unit;
   result.standard_error = std::sqrt(variance) / unit;
+  // Without any variance, as on plates, every point has the same phase: none is rounded differently.
+  if (variance > 0) result.standard_error = std::hypot(result.standard_error, rounding_error(result));
   return result;
 }
 
@@ -289,7 +296,7 @@ std::vector<DirectionEstimate> pass(const Problem& problem, std::span<const std:
 /// n⁻² otherwise (n² strata, each error smaller by 1/n per order of the phase, √n² from averaging).
 int next_subdivision(const DirectionEstimate& d, const MonteCarlo& options) {
   const double order = options.draws == Draws::Rotated ? 3 : 2;
-  const double wanted = options.tolerance * std::max(d.density, d.local_mean);
+  const double wanted = std::max(options.tolerance * std::max(d.density, d.local_mean), rounding_error(d));
   constexpr double kMargin = 1.1;
   const double factor = wanted > 0 ? std::pow(d.standard_error / wanted, 1 / order) * kMargin : 4.0;
   return std::min(round_up_subdivision(std::max(d.subdivision * std::min(factor, 16.0), d.subdivision + 1.0)),
@@ -353,7 +360,9 @@ Estimate<std::vector<DirectionEstimate>> monte_carlo_density(std::span<const Win
     points += problem.points_per_subdivision * n * n * static_cast<double>(which.size());
     for (std::size_t k = 0; k < which.size(); ++k) {
       result.value[which[k]] = estimates[k];
-      if (!estimates[k].reached && n < kMaxSubdivision)
+      constexpr double kOfRounding = 1.5;  // all else is gone then
+      const bool improvable = estimates[k].standard_error > kOfRounding * rounding_error(estimates[k]);
+      if (!estimates[k].reached && improvable && n < kMaxSubdivision)
         todo[next_subdivision(estimates[k], options)].push_back(which[k]);
     }
   }

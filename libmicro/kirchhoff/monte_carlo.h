@@ -32,7 +32,7 @@ struct MonteCarlo {
 /// D_K in one direction.
 struct DirectionEstimate {
   double density = 0;         ///< D, 1/sr; unbiased, so that it may be negative where D is near 0
-  double standard_error = 0;  ///< 1/sr
+  double standard_error = 0;  ///< 1/sr, rounding included
   double local_mean = 0;      ///< D_local, 1/sr
   int subdivision = 0;        ///< n: every triangle was cut into n² strata
   bool reached = false;       ///< standard_error ≤ tolerance · max(density, local_mean)
@@ -44,9 +44,10 @@ struct DirectionEstimate {
 /// so the variance is the sum of the squared differences of the halves, stratum by stratum. All directions of
 /// one call share their random points: their errors are correlated. The result depends on the seed, not on
 /// the number of threads. Phases are kept relative to tiles of 8 × 16 cells, in float where they stay below
-/// 64 rad (rounding ≤ 1e-6 of the envelope √(D_local·max(D, D_local))) and in double elsewhere. `error` of
-/// the result is the relative error over the list, √(Σ standard_error² / ΣD²); cost counts points. Throws
-/// InputError if there is no triangle, or unless tolerance > 0 and q is finite.
+/// 64 rad and in double elsewhere; rounding is ≤ 1e-6 of the envelope √(D_local·max(D, D_local)), which
+/// counts in the standard errors, so that no tolerance below that is said to be reached (nor more points
+/// drawn for it). `error` of the result is the relative error over the list, √(Σ standard_error² / ΣD²); cost
+/// counts points. Throws InputError if there is no triangle, or unless tolerance > 0 and q is finite.
 Estimate<std::vector<DirectionEstimate>> monte_carlo_density(std::span<const Window> windows,
                                                              std::span<const Vec3> q,
                                                              const MonteCarlo& options);

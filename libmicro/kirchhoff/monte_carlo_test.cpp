@@ -244,5 +244,21 @@ TEST(MonteCarlo, RefusesWithAReason) {
   EXPECT_TRUE(monte_carlo_density(plane, {}, {}).value.empty());
 }
 
+// Phases are rounded to float: what is left counts in the standard errors, and no points are drawn against
+// it.
+TEST(MonteCarlo, ReachesNoToleranceBelowItsRounding) {
+  const HeightField surface = rough(30, 40);
+  const std::vector<Vec3> q = directions(0.6);
+  for (const double tolerance : {1e-7, 1e-9}) {
+    const auto estimate = monte_carlo_density(surface, q, {.tolerance = tolerance});
+    EXPECT_LT(estimate.cost.evaluations, 1e10) << tolerance;
+    for (std::size_t k = 0; k < q.size(); ++k) {
+      const DirectionEstimate& d = estimate.value[k];
+      EXPECT_FALSE(d.reached) << tolerance;
+      EXPECT_LE(std::abs(d.density - exact_density(surface, q[k])), 3 * d.standard_error) << tolerance;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace micro
