@@ -57,7 +57,8 @@ Pair sum_of(const std::array<std::vector<SurfacePoint>, 2>& points, const Vec3& 
   Pair sum = {};
   for (int axis = 0; axis < 2; ++axis)
     for (const SurfacePoint& point : points[axis])
-      sum[axis] += std::polar<double>(point.weight, -q.dot(Vec3(point.x, point.y, point.z)));
+      sum[axis] +=
+          static_cast<double>(point.weight) * std::polar(1.0, -q.dot(Vec3(point.x, point.y, point.z)));
   return sum;
 }
 
