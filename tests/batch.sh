@@ -98,7 +98,15 @@ wait "$first" || fail "the first of two runs did not end well"
 compare held/result.h5 "the first of two runs"
 
 # A place that cannot be written to, and a file that cannot be read; root may do both.
-if [[ $(id -u) -ne 0 ]]; then as_nobody=(); else as_nobody=(runuser -u nobody --); chmod 755 "$work"; fi
+if [[ $(id -u) -ne 0 ]]; then
+  as_nobody=()
+else
+  as_nobody=(runuser -u nobody --)
+  chmod 755 "$work"
+  # Root's home, where a clone may lie, is closed to nobody.
+  install -m 755 "$program" microbrdf
+  program=$work/microbrdf
+fi
 if [[ $(id -u) -ne 0 ]] || command -v runuser >/dev/null; then
   mkdir sealed && chmod 555 sealed
   expect_code 3 "read-only place" "${as_nobody[@]}" "$program" run scans -o sealed/out --without kirchhoff
