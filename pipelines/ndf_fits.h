@@ -75,7 +75,8 @@ Stage stage_of(const NdfFits& fits);
 void write_fits(Hdf5Writer& file, const NdfFits& fits);
 
 /// Writes `output` as a copy of `source` with the fits in it, and what /plan says of the stage "fit" renewed;
-/// both may be the same file. Writes nothing if nothing was fitted. `command` is what the user typed. Throws FileError.
+/// both may be the same file. Writes nothing if nothing was fitted. `command` is what the user typed. Throws
+/// FileError.
 void add_fits(const std::filesystem::path& source, const std::filesystem::path& output, const NdfFits& fits,
               const std::string& command);
 
