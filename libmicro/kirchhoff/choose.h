@@ -39,7 +39,7 @@ struct KirchhoffRequest {
   int threads = 1;
 };
 
-/// Seconds on one thread of an AVX2 core at 2.4 GHz. bench/kirchhoff_costs_bench measures them all again.
+/// Seconds on one thread of an AVX2 core at 2.4 GHz. bench/kirchhoff_costs_bench measures them again.
 struct KirchhoffCosts {
   double exact_triangle = 10e-9;      ///< one triangle in one direction
   double monte_carlo_point = 0.6e-9;  ///< one point in one direction

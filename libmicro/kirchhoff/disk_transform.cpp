@@ -18,8 +18,6 @@ namespace {
 
 /// Groups of rows handed out together: the lattice rows at either end are spread twice.
 constexpr std::int64_t kBandGroups = 8;
-/// Entries of tables of φ_k and c_k that one thread makes at a time.
-constexpr std::int64_t kEntryBlock = 256;
 
 /// Terms of one pass over the surface: φ_k first … first+count−1 of the basis and, in the last pass over a
 /// surface with missing triangles, I[1] as one more term.

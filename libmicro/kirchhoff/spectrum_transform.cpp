@@ -31,8 +31,6 @@ constexpr double kOversampling = 1.5;
 /// Columns and rows of wave numbers of one tile, so that it stays in the caches; nodes along x of one.
 constexpr std::int64_t kTileColumns = 24, kTileRows = 24;
 constexpr int kTileNodes = 32;
-/// Entries of a table of c_k that one thread makes at a time.
-constexpr std::int64_t kEntryBlock = 256;
 
 /// The grids of wave numbers that serve all |q| up to that of the shortest wavelength.
 struct Axes {
@@ -243,7 +241,7 @@ struct DiskQuarter {
     }
   }
   std::vector<int> inside;      ///< of row k ≥ 0, those of k_x = 0 … inside−1
-  std::vector<double> squares;  ///< m_x² of column k ≥ 0
+  std::vector<double> squares;  ///< m_x² of column k ≥ 0, m_y² of row k
 };
 
 /// Adds q_z·I[1] of a complete rectangle to a row of sums [nodes, 4] of F(q) and F(q').

@@ -20,8 +20,6 @@ constexpr std::int64_t kSparePoints = 16;
 constexpr std::int64_t kRowGroup = 8;
 /// Groups of rows handed out together: the lattice rows at either end are spread twice.
 constexpr std::int64_t kBandGroups = 8;
-/// Entries of a table of φ_k that one thread makes at a time.
-constexpr std::int64_t kEntryBlock = 256;
 
 /// φ_k at equidistant heights; I[1], where it is among the terms, is that of φ = 1 without a rim.
 template <typename Real>

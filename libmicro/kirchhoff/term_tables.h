@@ -6,6 +6,9 @@
 
 namespace micro {
 
+/// Entries that one thread makes at a time.
+inline constexpr std::int64_t kEntryBlock = 256;
+
 /// Tables that the terms of a HeightBasis are read from: φ_k by cubics, c_k by straight lines.
 struct TermTables {
   std::int64_t functions = 0;     ///< entries of φ_k, over all heights
